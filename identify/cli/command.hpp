@@ -1,0 +1,39 @@
+/// @file
+/// What the commands of the executable share. Each command lives in its own file and registers itself on the parser.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "models/text_table.hpp"
+
+namespace wems::identify::cli {
+
+/// Options that every command has.
+struct CommonOptions {
+    std::string json_file;    ///< --json FILE; `-` writes to standard output in place of the table
+    std::string report_file;  ///< --report FILE.html
+    std::string column_map;   ///< --columns map.toml
+};
+void addCommonOptions(CLI::App& command, CommonOptions& options);
+
+/// One function for each command: adds the subcommand, its options and an example, and sets its callback. The callback
+/// throws InputError on bad input and sets `exit_status` to 1 if the question was answered but a requested limit
+/// failed.
+void addRigidityCommand(CLI::App& app, int& exit_status);
+void addFitCommand(CLI::App& app, int& exit_status);
+void addSurfaceCommand(CLI::App& app, int& exit_status);
+void addCompareCommand(CLI::App& app, int& exit_status);
+void addDiagnoseCommand(CLI::App& app, int& exit_status);
+
+using wems::Table;
+
+/// `digits` significant digits, no trailing noise; `-` for a value that is not finite.
+std::string formatNumber(double value, int digits = 5);
+
+/// Writes `result` as JSON if --json was given (to a temporary file renamed at the end, or to standard output for `-`).
+void writeJson(const nlohmann::json& result, const CommonOptions& options);
+
+}  // namespace wems::identify::cli

@@ -1,0 +1,173 @@
+// identify compare: errors of a simulated recording, channel by channel, by frequency band and by regime.
+#include "identify/forward/compare.hpp"
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "identify/cli/command.hpp"
+#include "models/error.hpp"
+#include "models/mount_model.hpp"
+#include "models/recording/column_map.hpp"
+#include "models/recording/csv_reader.hpp"
+#include "models/report/html_report.hpp"
+
+namespace wems::identify::cli {
+namespace {
+
+struct CompareOptions {
+    CommonOptions common;
+    std::string measured, simulated, model;
+    double limit = 0;
+};
+
+nlohmann::json formatValue(double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+nlohmann::json formatBands(const std::vector<BandError>& bands) {
+    auto result = nlohmann::json::array();
+    for (const BandError& band : bands)
+        result.push_back({{"from", band.from}, {"to", band.to}, {"error", formatValue(band.error)}});
+    return result;
+}
+
+void addRegimes(nlohmann::json& entry, const std::optional<double>& free, const std::optional<double>& contact) {
+    if (free) entry["free"] = formatValue(*free);
+    if (contact) entry["contact"] = formatValue(*contact);
+}
+
+nlohmann::json formatComparison(const Comparison& comparison) {
+    auto channels = nlohmann::json::array();
+    for (const ChannelError& channel : comparison.channels) {
+        nlohmann::json entry = {{"name", channel.name},
+                                {"error", formatValue(channel.error)},
+                                {"rms", channel.rms},
+                                {"share", channel.share},
+                                {"bands", formatBands(channel.bands)}};
+        addRegimes(entry, channel.free, channel.contact);
+        channels.push_back(entry);
+    }
+    nlohmann::json result = {{"error", formatValue(comparison.error)},
+                             {"channels", channels},
+                             {"bands", formatBands(comparison.bands)},
+                             {"time", {comparison.from, comparison.to}},
+                             {"units", {{"rms", "m"}, {"bands", "Hz"}, {"time", "s"}}},
+                             {"notes", comparison.notes}};
+    addRegimes(result, comparison.free, comparison.contact);
+    return result;
+}
+
+std::string formatPercent(double fraction) {
+    return std::isfinite(fraction) ? formatNumber(100 * fraction, 3) : std::string("-");
+}
+std::string formatPercent(const std::optional<double>& fraction) {
+    return fraction ? formatPercent(*fraction) : std::string("-");
+}
+
+std::string describeError(const Comparison& comparison) {
+    std::string text = "error " + formatPercent(comparison.error) + " % of the measured relative displacement, " +
+                       formatNumber(comparison.from, 5) + " to " + formatNumber(comparison.to, 5) + " s";
+    if (comparison.free || comparison.contact)
+        text += "; free " + formatPercent(comparison.free) + " %, with a stop touched " +
+                formatPercent(comparison.contact) + " %";
+    return text;
+}
+
+Table makeTable(const Comparison& comparison) {
+    const bool regimes = comparison.free || comparison.contact;
+    std::vector<std::string> header{"channel", "RMS mm", "error %", "share %"};
+    if (regimes) header.insert(header.end(), {"free %", "contact %"});
+    for (const BandError& band : comparison.bands)
+        header.push_back(formatNumber(band.from, 3) + "-" + formatNumber(band.to, 3) + " Hz");
+    Table table(header);
+    const auto addRow = [&](const ChannelError& channel) {
+        std::vector<std::string> row{channel.name, formatNumber(1e3 * channel.rms, 3), formatPercent(channel.error),
+                                     formatPercent(channel.share)};
+        if (regimes) row.insert(row.end(), {formatPercent(channel.free), formatPercent(channel.contact)});
+        for (const BandError& band : comparison.bands) {
+            std::string cell = "-";
+            for (const BandError& own : channel.bands)
+                if (own.from == band.from) cell = formatPercent(own.error);
+            row.push_back(cell);
+        }
+        table.addRow(row);
+    };
+    for (const ChannelError& channel : comparison.channels) addRow(channel);
+    addRow({"all", comparison.error, NAN, 1, comparison.bands, comparison.free, comparison.contact});
+    return table;
+}
+
+void writeReport(const Comparison& comparison, const CompareOptions& options) {
+    HtmlReport page("Comparison of " + options.simulated + " with " + options.measured);
+    page.addText(describeError(comparison));
+    const Table table = makeTable(comparison);
+    page.addTable(table.header(), table.rows());
+    Plot plot{"Error by band of swept frequency", "swept frequency [Hz]", "error [%]", {}, false};
+    const auto addSeries = [&](const std::string& name, const std::vector<BandError>& bands) {
+        Series series{name, {}, {}};
+        for (const BandError& band : bands) {
+            series.x.push_back(std::sqrt(band.from * band.to));
+            series.y.push_back(100 * band.error);
+        }
+        plot.series.push_back(std::move(series));
+    };
+    addSeries("all", comparison.bands);
+    for (const ChannelError& channel : comparison.channels) addSeries(channel.name, channel.bands);
+    page.addPlot(plot);
+    for (const auto& note : comparison.notes) page.addText(note);
+    page.write(options.common.report_file);
+}
+
+Comparison runComparison(const CompareOptions& options) {
+    std::optional<ColumnMap> map;
+    if (!options.common.column_map.empty()) map = readColumnMap(options.common.column_map);
+    const Recording measured = readRecording(options.measured, map ? &*map : nullptr);
+    const Recording simulated = readRecording(options.simulated, map ? &*map : nullptr);
+    for (const auto* recording : {&measured, &simulated})
+        for (const auto& warning : recording->warnings)
+            std::cerr << "identify: " << recording->file << ": " << warning << "\n";
+    if (options.model.empty()) {
+        Comparison comparison =
+            compare(calcRelativeDisplacement(measured), calcRelativeDisplacement(simulated), nullptr);
+        comparison.notes.emplace_back(
+            "without --model the difference of both ends' displacements is compared as it stands; with it, in the axes "
+            "of the fixed part as they turn");
+        return comparison;
+    }
+    const MountModel model = readMountModel(options.model);
+    return compare(calcRelativeDisplacement(measured, model), calcRelativeDisplacement(simulated, model), &model);
+}
+
+}  // namespace
+
+void addCompareCommand(CLI::App& app, int& exit_status) {
+    auto* command = app.add_subcommand("compare", "Errors of a simulated recording against a measured one");
+    auto options = std::make_shared<CompareOptions>();
+    addCommonOptions(*command, options->common);
+    command->add_option("measured", options->measured, "CSV of the test")->required();
+    command->add_option("simulated", options->simulated, "CSV of the simulation")->required();
+    command->add_option("--model", options->model,
+                        "mount model: exact relative displacements, and errors free and in contact apart");
+    command->add_option("--limit", options->limit, "exit status 1 if the error exceeds this fraction")
+        ->check(CLI::PositiveNumber);
+    command->footer("Example:\n  identify compare measured.csv simulated.csv --model mount.toml --limit 0.05");
+    command->callback([options, command, &exit_status] {
+        const Comparison comparison = runComparison(*options);
+        if (options->common.json_file != "-") {
+            std::cout << describeError(comparison) << "\n\n" << makeTable(comparison).format();
+            for (const auto& note : comparison.notes) std::cout << "note: " << note << "\n";
+        }
+        writeJson(formatComparison(comparison), options->common);
+        if (!options->common.report_file.empty()) writeReport(comparison, *options);
+        const bool exceeded = command->count("--limit") > 0 && !(comparison.error <= options->limit);
+        if (exceeded) {
+            std::cerr << "identify: the error " << formatNumber(comparison.error, 4) << " exceeds the limit "
+                      << formatNumber(options->limit, 4) << "\n";
+            exit_status = 1;
+        }
+    });
+}
+
+}  // namespace wems::identify::cli

@@ -1,0 +1,67 @@
+// `identify diagnose`: what the simulation gets wrong, the named causes, the extended model, the gain.
+#include <unistd.h>
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "identify/cli/command.hpp"
+#include "identify/cli/diagnosis_output.hpp"
+#include "identify/diagnose/diagnosis.hpp"
+#include "models/error.hpp"
+#include "models/recording/column_map.hpp"
+#include "models/recording/csv_reader.hpp"
+
+namespace wems::identify::cli {
+namespace {
+
+struct DiagnoseArguments {
+    CommonOptions common;
+    std::vector<std::string> runs, validation;
+    std::string model, output;
+};
+
+std::vector<Recording> readAll(const std::vector<std::string>& files, const std::string& column_map) {
+    std::unique_ptr<ColumnMap> map;
+    if (!column_map.empty()) map = std::make_unique<ColumnMap>(readColumnMap(column_map));
+    std::vector<Recording> recordings;
+    for (const auto& file : files) recordings.push_back(readRecording(file, map.get()));
+    return recordings;
+}
+
+void runDiagnose(const DiagnoseArguments& arguments) {
+    const MountModel model = readMountModel(arguments.model);
+    const auto identification = readAll(arguments.runs, arguments.common.column_map);
+    const auto validation = readAll(arguments.validation, arguments.common.column_map);
+    DiagnosisOptions options;
+    const bool terminal = isatty(STDERR_FILENO) != 0;
+    if (terminal) options.progress = [](const std::string& text) { std::cerr << "\r\033[K" << text << std::flush; };
+    const Diagnosis diagnosis = diagnose(identification, validation, model, options);
+    if (terminal) std::cerr << "\r\033[K" << std::flush;
+    if (!arguments.output.empty()) writeMountModel(diagnosis.extended, arguments.output);
+    writeJson(makeDiagnosisJson(diagnosis), arguments.common);
+    if (arguments.common.json_file != "-") {
+        for (const auto* group : {&identification, &validation})
+            for (const auto& recording : *group)
+                for (const auto& warning : recording.warnings) std::cout << recording.file << ": " << warning << "\n";
+        std::cout << formatDiagnosis(diagnosis);
+        if (!arguments.output.empty()) std::cout << "\nExtended model: " << arguments.output << "\n";
+    }
+}
+
+}  // namespace
+
+void addDiagnoseCommand(CLI::App& app, int&) {
+    auto arguments = std::make_shared<DiagnoseArguments>();
+    auto* command = app.add_subcommand("diagnose", "Find what the model lacks or has wrong, and extend it");
+    command->add_option("runs", arguments->runs, "recordings to identify from (CSV)")->required();
+    command->add_option("--model", arguments->model, "mount model (TOML)")->required();
+    command->add_option("--validate", arguments->validation, "recordings that judge (CSV); never fitted to");
+    command->add_option("-o,--output", arguments->output, "write the extended model to FILE (TOML)");
+    addCommonOptions(*command, arguments->common);
+    command->footer(
+        "Example:\n  identify diagnose run1.csv run2.csv --model mount.toml --validate run3.csv -o extended.toml");
+    command->callback([arguments] { runDiagnose(*arguments); });
+}
+
+}  // namespace wems::identify::cli

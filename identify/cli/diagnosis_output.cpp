@@ -1,0 +1,127 @@
+#include "identify/cli/diagnosis_output.hpp"
+
+#include <cmath>
+
+#include "identify/cli/command.hpp"
+
+namespace wems::identify::cli {
+namespace {
+
+/// JSON has no infinity and no NaN: null.
+nlohmann::json number(double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+nlohmann::json group(const GroupError& error) {
+    return {{"identification", number(error.identification)}, {"validation", number(error.validation)}};
+}
+
+double gain(double before, double after) {
+    return after > 0 ? 20 * std::log10(before / after) : 0;
+}
+
+nlohmann::json makeParameters(const std::vector<CauseParameter>& parameters, bool with_interval) {
+    auto list = nlohmann::json::array();
+    for (const auto& p : parameters) {
+        nlohmann::json entry{{"name", p.name}, {"value", number(p.value)}, {"unit", p.unit}};
+        if (with_interval) entry["interval95"] = {number(p.lower), number(p.upper)};
+        list.push_back(entry);
+    }
+    return list;
+}
+
+std::string join(const std::vector<std::string>& words) {
+    std::string text;
+    for (const auto& word : words) text += (text.empty() ? "" : " ") + word;
+    return text;
+}
+
+std::string percent(double value) {
+    return formatNumber(100 * value, 3) + " %";
+}
+
+}  // namespace
+
+nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis) {
+    auto causes = nlohmann::json::array();
+    for (const auto& cause : diagnosis.causes) {
+        auto rivals = nlohmann::json::array();
+        for (const auto& rival : cause.rivals)
+            rivals.push_back({{"cause", rival.cause},
+                              {"where", rival.where},
+                              {"parameters", makeParameters(rival.parameters, false)},
+                              {"separate_by", rival.separate_by}});
+        causes.push_back({{"cause", cause.cause},
+                          {"probability", number(cause.probability)},
+                          {"gain_db", number(cause.gain_db)},
+                          {"where", cause.where},
+                          {"parameters", makeParameters(cause.parameters, true)},
+                          {"rivals", rivals}});
+    }
+    const auto &before = diagnosis.error_before, &after = diagnosis.error_after;
+    return {
+        {"verdict", formatVerdict(diagnosis.verdict)},
+        {"error_before", group(before)},
+        {"error_after", group(after)},
+        {"gain_db",
+         group({gain(before.identification, after.identification), gain(before.validation, after.validation)})},
+        {"causes", causes},
+        {"unexplained",
+         {{"fraction", number(after.validation)},
+          {"noise_floor", number(diagnosis.noise_floor.validation)},
+          {"where", diagnosis.unexplained_where}}},
+        {"open_loop_misfit", {{"before", number(diagnosis.misfit_before)}, {"after", number(diagnosis.misfit_after)}}},
+        {"validated", diagnosis.validated}};
+}
+
+std::string formatDiagnosis(const Diagnosis& diagnosis) {
+    std::string text;
+    for (const auto& note : diagnosis.notes) text += "Motion: " + note + "\n";
+    if (!diagnosis.validated)
+        text +=
+            "No validation recordings: the identification recordings judge themselves, which flatters every cause.\n";
+    text += "\nEquations of motion along the measured motion: misfit " + formatNumber(diagnosis.misfit_before, 4) +
+            " before, " + formatNumber(diagnosis.misfit_after, 4) + " after (1 = noise alone)\n";
+    for (std::size_t r = 0; r < diagnosis.rounds.size(); ++r) {
+        const auto& round = diagnosis.rounds[r];
+        text += "\nRound " + std::to_string(r + 1) + ": " + round.reason + "\n";
+        Table table({"candidate", "identification", "validation", ""});
+        for (std::size_t i = 0; i < round.trials.size(); ++i) {
+            const auto& trial = round.trials[i];
+            table.addRow({trial.candidate.describe(), formatNumber(trial.identification, 4),
+                          formatNumber(trial.validation, 4), static_cast<int>(i) == round.taken ? "taken" : ""});
+        }
+        if (!table.empty()) text += table.format();
+    }
+    Table parameters({"cause", "probability", "gain dB", "parameter", "value", "95 % interval", "unit"});
+    for (const auto& cause : diagnosis.causes) {
+        bool first = true;
+        for (const auto& p : cause.parameters) {
+            const bool removed = !std::isfinite(p.value);
+            parameters.addRow({first ? cause.cause : "", first ? formatNumber(cause.probability, 3) : "",
+                               first ? formatNumber(cause.gain_db, 3) : "", p.name,
+                               removed ? "no stop" : formatNumber(p.value),
+                               removed ? "" : formatNumber(p.lower) + " … " + formatNumber(p.upper), p.unit});
+            first = false;
+        }
+    }
+    if (!parameters.empty()) text += "\n" + parameters.format();
+    for (const auto& cause : diagnosis.causes)
+        for (const auto& rival : cause.rivals) {
+            text += "Tie: " + cause.cause + " cannot be told from " + rival.cause + " at " + join(rival.where) + " (";
+            for (const auto& p : rival.parameters) text += " " + p.name + " = " + formatNumber(p.value);
+            text += " ); to separate: " + rival.separate_by + "\n";
+        }
+    Table errors({"free simulation", "before", "after", "noise alone"});
+    const auto &before = diagnosis.error_before, &after = diagnosis.error_after, &floor = diagnosis.noise_floor;
+    errors.addRow({"identification", percent(before.identification), percent(after.identification),
+                   percent(floor.identification)});
+    errors.addRow({"validation", percent(before.validation), percent(after.validation), percent(floor.validation)});
+    text += "\n" + errors.format();
+    text += "\nVerdict: " + formatVerdict(diagnosis.verdict) + "\n";
+    if (!diagnosis.unexplained_where.empty())
+        text += "What is left sits at: " + join(diagnosis.unexplained_where) + "\n";
+    return text;
+}
+
+}  // namespace wems::identify::cli

@@ -1,0 +1,29 @@
+// The executable `identify`: commands on recordings.
+#include <exception>
+#include <iostream>
+
+#include "identify/cli/command.hpp"
+#include "models/error.hpp"
+
+int main(int argc, char** argv) {
+    CLI::App app{"Identify mounts with elastomers and stops from recordings."};
+    app.name("identify");
+    app.require_subcommand(1);
+    app.set_help_all_flag("--help-all", "help of every command");
+    int exit_status = 0;
+    wems::identify::cli::addRigidityCommand(app, exit_status);
+    wems::identify::cli::addSurfaceCommand(app, exit_status);
+    wems::identify::cli::addCompareCommand(app, exit_status);
+    wems::identify::cli::addDiagnoseCommand(app, exit_status);
+    try {
+        app.parse(argc, argv);
+        return exit_status;
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    } catch (const wems::InputError& error) {
+        std::cerr << "identify: " << error.what() << "\n";
+    } catch (const std::exception& error) {
+        std::cerr << "identify: " << error.what() << "\n";
+    }
+    return 2;
+}

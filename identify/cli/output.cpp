@@ -1,0 +1,33 @@
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+
+#include "identify/cli/command.hpp"
+#include "models/atomic_file.hpp"
+
+namespace wems::identify::cli {
+
+void addCommonOptions(CLI::App& command, CommonOptions& options) {
+    command.add_option("--json", options.json_file, "write the result as JSON to FILE (- for standard output)");
+    command.add_option("--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
+    command.add_option("--columns", options.column_map, "TOML that maps your column names to channel names");
+}
+
+std::string formatNumber(double value, int digits) {
+    if (!std::isfinite(value)) return "-";
+    char buffer[40];
+    std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
+    return buffer;
+}
+
+void writeJson(const nlohmann::json& result, const CommonOptions& options) {
+    if (options.json_file.empty()) return;
+    const std::string text = result.dump(2) + "\n";
+    if (options.json_file == "-") {
+        std::cout << text;
+    } else {
+        AtomicFile::write(options.json_file, text);
+    }
+}
+
+}  // namespace wems::identify::cli

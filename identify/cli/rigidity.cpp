@@ -1,0 +1,119 @@
+// identify rigidity: does each part of a recording move as a rigid body?
+#include "identify/motion/rigidity.hpp"
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "identify/cli/command.hpp"
+#include "identify/cli/rigidity_report.hpp"
+#include "models/mount_model.hpp"
+#include "models/recording/csv_reader.hpp"
+
+namespace wems::identify::cli {
+namespace {
+
+struct Options {
+    std::string recording, model;
+    double limit = 0;
+    CommonOptions common;
+};
+
+nlohmann::json numberOrNull(double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
+
+nlohmann::json makeJson(const Rigidity& rigidity, const Recording& recording) {
+    nlohmann::json checks = nlohmann::json::array(), suspects = nlohmann::json::array();
+    for (const RigidityCheck& check : rigidity.checks) {
+        checks.push_back({{"name", check.name},
+                          {"max_percent", check.max_percent},
+                          {"at_frequency", numberOrNull(check.at_frequency)},
+                          {"at_time", check.at_time},
+                          {"noise_percent", numberOrNull(check.noise_percent)}});
+    }
+    for (const ChannelSuspect& suspect : rigidity.suspects) {
+        nlohmann::json entry{{"channel", suspect.channel},
+                             {"fault", suspect.fault},
+                             {"explained", suspect.explained},
+                             {"alternatives", suspect.alternatives}};
+        if (suspect.fault == "gain") entry["gain"] = suspect.gain;
+        if (suspect.fault == "delay") entry["delay"] = suspect.delay;
+        if (suspect.fault == "exchanged") entry["exchanged_with"] = suspect.exchanged_with;
+        if (suspect.fault != "exchanged") entry["standard_error"] = suspect.standard_error;
+        suspects.push_back(entry);
+    }
+    return {{"checks", checks}, {"suspects", suspects}, {"notes", rigidity.notes}, {"warnings", recording.warnings}};
+}
+
+std::string describe(const ChannelSuspect& suspect) {
+    std::string text = suspect.channel + ": ";
+    if (suspect.fault == "gain") {
+        text += "gain " + formatNumber(suspect.gain) + " ± " + formatNumber(2 * suspect.standard_error, 2);
+    } else if (suspect.fault == "delay") {
+        text += "late by " + formatNumber(1e3 * suspect.delay) + " ± " + formatNumber(2e3 * suspect.standard_error, 2) +
+                " ms";
+    } else {
+        text += "exchanged with " + suspect.exchanged_with;
+    }
+    text += ", explains " + formatNumber(100 * suspect.explained, 3) + " % of what is not rigid";
+    for (std::size_t i = 0; i < suspect.alternatives.size(); ++i)
+        text += (i == 0 ? "; or instead " : ", ") + suspect.alternatives[i];
+    return text;
+}
+
+Table makeTable(const Rigidity& rigidity) {
+    Table table({"check", "largest %", "noise RMS %", "at Hz", "at s"});
+    for (const RigidityCheck& check : rigidity.checks)
+        table.addRow({check.name, formatNumber(check.max_percent, 4), formatNumber(check.noise_percent, 3),
+                      formatNumber(check.at_frequency, 4), formatNumber(check.at_time)});
+    return table;
+}
+
+std::vector<std::string> makeSentences(const Rigidity& rigidity, const Recording& recording) {
+    std::vector<std::string> lines{
+        "Lengths relative to their rest length, perpendicularity to 90 degrees, midpoints to the arm length."};
+    if (rigidity.suspects.empty()) lines.emplace_back("No suspect channel.");
+    for (const ChannelSuspect& suspect : rigidity.suspects) lines.push_back("Suspect: " + describe(suspect));
+    for (const std::string& note : rigidity.notes) lines.push_back("Note: " + note);
+    for (const std::string& warning : recording.warnings) lines.push_back("Warning: " + warning);
+    return lines;
+}
+
+void run(const Options& options, bool limited, int& exit_status) {
+    const MountModel model = readMountModel(options.model);
+    std::unique_ptr<ColumnMap> map;
+    if (!options.common.column_map.empty()) map = std::make_unique<ColumnMap>(readColumnMap(options.common.column_map));
+    const Recording recording = readRecording(options.recording, map.get());
+    const Rigidity rigidity = checkRigidity(recording, model);
+    const Table table = makeTable(rigidity);
+    const std::vector<std::string> sentences = makeSentences(rigidity, recording);
+    if (options.common.json_file != "-") {
+        std::cout << table.format();
+        for (const std::string& line : sentences) std::cout << line << "\n";
+    }
+    writeJson(makeJson(rigidity, recording), options.common);
+    if (!options.common.report_file.empty())
+        writeRigidityReport(rigidity, table, sentences, recording.file, options.common.report_file);
+    if (!limited) return;
+    for (const RigidityCheck& check : rigidity.checks) {
+        if (check.max_percent > options.limit) exit_status = 1;
+    }
+}
+
+}  // namespace
+
+void addRigidityCommand(CLI::App& app, int& exit_status) {
+    CLI::App* command = app.add_subcommand("rigidity", "check that each part of a recording moves as a rigid body");
+    const auto options = std::make_shared<Options>();
+    command->add_option("recording", options->recording, "recording (CSV)")->required();
+    command->add_option("--model", options->model, "mount model (TOML)")->required();
+    CLI::Option* limit =
+        command->add_option("--limit", options->limit, "exit status 1 if a check exceeds this, in percent");
+    limit->check(CLI::NonNegativeNumber);
+    addCommonOptions(*command, options->common);
+    command->footer("Example:\n  identify rigidity run.csv --model smallsat.toml --limit 0.5 --json rigidity.json");
+    command->callback([options, limit, &exit_status] { run(*options, limit->count() > 0, exit_status); });
+}
+
+}  // namespace wems::identify::cli

@@ -1,0 +1,212 @@
+#include "identify/component/component_data.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "identify/component/reversals.hpp"
+#include "models/error.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr const char* axis_names = "xyz";
+
+Eigen::VectorXd toVector(const std::vector<double>& values) {
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+const Channel* find(const Recording& recording, Part part, const std::string& connection, int axis,
+                    Derivative derivative) {
+    return recording.find(formatChannelName({part, connection, axis, derivative}));
+}
+
+/// Displacement of the mobile end relative to the fixed one, recorded as such or as a difference.
+std::optional<Eigen::VectorXd> findRelative(const Recording& recording, const std::string& connection, int axis,
+                                            Derivative derivative) {
+    if (const auto* relative = find(recording, Part::relative, connection, axis, derivative))
+        return toVector(relative->values);
+    const auto* mobile = find(recording, Part::mobile, connection, axis, derivative);
+    if (!mobile) return std::nullopt;
+    const auto* fixed = find(recording, Part::fixed, connection, axis, derivative);
+    // No fixed channel at all: the fixed end stands still. Fixed channels, but not this one: cannot be told.
+    if (fixed) return Eigen::VectorXd(toVector(mobile->values) - toVector(fixed->values));
+    if (recording.connections(Part::fixed).empty()) return toVector(mobile->values);
+    return std::nullopt;
+}
+
+std::string chooseConnection(const Recording& recording, const std::string& wanted) {
+    std::vector<std::string> known;
+    for (const auto part : {Part::force, Part::relative, Part::mobile}) {
+        for (const auto& name : recording.connections(part))
+            if (std::find(known.begin(), known.end(), name) == known.end()) known.push_back(name);
+    }
+    std::string list;
+    for (const auto& name : known) list += (list.empty() ? "" : ", ") + name;
+    if (known.empty())
+        throw InputError({recording.file, 0, {}}, "no channel of a connection",
+                         "relative.<connection>.<q> with force.<connection>.<q> or mobile.<connection>.a<q>");
+    if (wanted.empty()) return known.front();
+    if (std::find(known.begin(), known.end(), wanted) == known.end())
+        throw InputError({recording.file, 0, "--connection"}, "no connection '" + wanted + "' in the recording", list);
+    return wanted;
+}
+
+int chooseAxis(const Recording& recording, const std::string& connection, std::optional<int> wanted) {
+    if (wanted) return *wanted;
+    for (int axis = 0; axis < 3; ++axis)
+        if (find(recording, Part::force, connection, axis, Derivative::force)) return axis;
+    for (int axis = 0; axis < 3; ++axis)
+        if (findRelative(recording, connection, axis, Derivative::displacement)) return axis;
+    return 0;
+}
+
+/// Samples that sit on the channel's own extreme value for three in a row or more: the sensor's range ended there.
+std::vector<bool> findClipped(const Eigen::VectorXd& values) {
+    std::vector<bool> clipped(static_cast<std::size_t>(values.size()), false);
+    const double range = values.maxCoeff() - values.minCoeff();
+    for (const double extreme : {values.maxCoeff(), values.minCoeff()}) {
+        Eigen::Index run = 0;
+        for (Eigen::Index i = 0; i <= values.size(); ++i) {
+            const bool at_extreme = i < values.size() && std::abs(values[i] - extreme) <= 1e-4 * range;
+            if (at_extreme) {
+                ++run;
+                continue;
+            }
+            if (run >= 3) {
+                for (Eigen::Index k = i - run; k < i; ++k) clipped[static_cast<std::size_t>(k)] = true;
+            }
+            run = 0;
+        }
+    }
+    return clipped;
+}
+
+/// Half width of the derivative's window: a sixtieth of the typical period costs 0.1 % at that period.
+int chooseHalfWidth(const Eigen::VectorXd& q) {
+    const auto reversals = findReversals(q, 0.05);
+    const auto swings = std::max<std::size_t>(reversals.size(), 2);
+    const double period = 2.0 * static_cast<double>(q.size()) / static_cast<double>(swings);
+    return std::clamp(static_cast<int>(std::lround(period / 60.0)), 2, 200);
+}
+
+std::string formatText(const char* format, double value) {
+    char buffer[160];
+    std::snprintf(buffer, sizeof buffer, format, value);
+    return buffer;
+}
+
+}  // namespace
+
+bool isComponentTest(const Recording& recording) {
+    return !recording.connections(Part::force).empty() || !recording.connections(Part::relative).empty();
+}
+
+Eigen::VectorXd derive(const Eigen::VectorXd& values, double interval, int half_width, int order) {
+    const Eigen::Index n = values.size();
+    const Eigen::Index width = std::min<Eigen::Index>(2 * static_cast<Eigen::Index>(half_width) + 1, n);
+    Eigen::VectorXd result(n);
+    // Weights of the parabola's derivative at every place inside a window; the middle one serves nearly all samples.
+    Eigen::MatrixXd basis(width, 3);
+    for (Eigen::Index i = 0; i < width; ++i) {
+        const double s = static_cast<double>(i) - 0.5 * static_cast<double>(width - 1);
+        basis.row(i) << 1.0, s, s * s;
+    }
+    const Eigen::MatrixXd weights = basis.completeOrthogonalDecomposition().pseudoInverse();  // 3 x width
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const Eigen::Index start = std::clamp<Eigen::Index>(i - width / 2, 0, n - width);
+        const double s = static_cast<double>(i - start) - 0.5 * static_cast<double>(width - 1);
+        const Eigen::Vector3d c = weights * values.segment(start, width);
+        result[i] = order == 1 ? (c[1] + 2.0 * c[2] * s) / interval : 2.0 * c[2] / (interval * interval);
+    }
+    return result;
+}
+
+ComponentData extractComponent(const Recording& recording, const ComponentOptions& options) {
+    ComponentData data;
+    data.file = recording.file;
+    data.connection = chooseConnection(recording, options.connection);
+    data.axis = chooseAxis(recording, data.connection, options.axis);
+    const std::string place = data.connection + "." + axis_names[data.axis];
+    const double interval = recording.sampleInterval();
+
+    const auto q = findRelative(recording, data.connection, data.axis, Derivative::displacement);
+    if (!q)
+        throw InputError({recording.file, 0, "relative." + place}, "no relative displacement",
+                         "relative." + place + ", or mobile." + place + " with fixed." + place);
+    const int half_width = chooseHalfWidth(*q);
+    auto velocity = findRelative(recording, data.connection, data.axis, Derivative::velocity);
+    if (!velocity && !options.time_known) {
+        data.has_velocity = false;
+        velocity = Eigen::VectorXd::Zero(q->size());
+        data.notes.emplace_back("no time recorded: the direction of travel is known, velocity is not");
+    } else if (!velocity) {
+        velocity = derive(*q, interval, half_width, 1);
+        data.notes.push_back(
+            formatText("velocity derived from displacement by local parabolas over %.3g ms, zero phase",
+                       1e3 * interval * (2 * half_width + 1)));
+    }
+
+    Eigen::VectorXd force;
+    std::vector<bool> clipped(static_cast<std::size_t>(q->size()), false);
+    const auto* recorded = find(recording, Part::force, data.connection, data.axis, Derivative::force);
+    if (recorded && !options.mass) {
+        // A force that stays at a level is what a friction element or a saturating spring does: not taken for clipping.
+        force = toVector(recorded->values);
+        data.notes.emplace_back("force as recorded");
+    } else {
+        if (!options.mass && !options.unit_mass_allowed)
+            throw InputError({recording.file, 0, "force." + place},
+                             "no force recorded, and no mass to make one from the acceleration",
+                             "--mass, or a channel force." + place);
+        data.source = ForceSource::mass_times_acceleration;
+        data.mass = options.mass.value_or(1.0);
+        const auto* measured = find(recording, Part::mobile, data.connection, data.axis, Derivative::acceleration);
+        const auto* mobile = find(recording, Part::mobile, data.connection, data.axis, Derivative::displacement);
+        if (!measured && !mobile)
+            throw InputError({recording.file, 0, "mobile." + data.connection + ".a" + axis_names[data.axis]},
+                             "no acceleration of the mobile end", "that channel, or mobile." + place);
+        const Eigen::VectorXd acceleration =
+            measured ? toVector(measured->values) : derive(toVector(mobile->values), interval, 2 * half_width, 2);
+        if (measured) clipped = findClipped(acceleration);
+        force = -data.mass * acceleration;
+        data.notes.push_back(formatText("force = mass x acceleration of the mobile end, mass %.6g kg", data.mass) +
+                             (measured ? "" : ", acceleration derived twice from displacement"));
+        data.qualitative = recording.connections(Part::mobile).size() > 1 || (!options.mass && !recorded);
+    }
+
+    std::vector<Eigen::Index> kept;
+    Eigen::Index dropped = 0;
+    for (Eigen::Index i = 0; i < q->size(); ++i) {
+        const double t = recording.time[static_cast<std::size_t>(i)];
+        if (t < options.from.value_or(t) || t > options.to.value_or(t)) continue;
+        if (clipped[static_cast<std::size_t>(i)]) {
+            ++dropped;
+        } else {
+            kept.push_back(i);
+        }
+    }
+    if (dropped > 0)
+        data.notes.push_back(std::to_string(dropped) + " samples left out: the channel sits at the end of its range");
+    if (kept.size() < 20)
+        throw InputError({recording.file, 0, "--from/--to"},
+                         "only " + std::to_string(kept.size()) + " samples in the window",
+                         formatText("a window inside the recording's %.6g s", recording.time.front()) +
+                             formatText(" to %.6g s with 20 samples or more", recording.time.back()));
+    const auto n = static_cast<Eigen::Index>(kept.size());
+    for (auto* array : {&data.time, &data.q, &data.velocity, &data.force}) array->resize(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const auto from = kept[static_cast<std::size_t>(i)];
+        data.time[i] = recording.time[static_cast<std::size_t>(from)];
+        data.q[i] = (*q)[from];
+        data.velocity[i] = (*velocity)[from];
+        data.force[i] = force[from];
+    }
+    if (data.q.maxCoeff() - data.q.minCoeff() <= 0)
+        throw InputError({recording.file, 0, "relative." + place}, "the displacement is constant in the window",
+                         "a window in which the element moves");
+    return data;
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,155 @@
+#include "identify/diagnose/acceleration_faults.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "identify/diagnose/smoothing_kernel.hpp"
+#include "models/bryant.hpp"
+
+namespace wems::identify {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+constexpr const char* kAxes[3] = {"x", "y", "z"};
+constexpr double kPass = 55.0, kStop = 110.0, kRate = 400.0;  // Hz
+constexpr double kLeastGain = 60.0, kLeastShare = 0.5;
+constexpr double kScatters = 6.0, kLeastDelay = 2e-5, kLeastRotation = 4e-3;  // -, s, rad
+
+/// Sums over the samples of one triax: predicted accelerations and their rates z (6), misfit d (3).
+struct TriaxMoments {
+    Matrix6 signal = Matrix6::Zero();
+    Eigen::Matrix<double, 3, 6> misfit = Eigen::Matrix<double, 3, 6>::Zero();
+    Eigen::Vector3d square = Eigen::Vector3d::Zero();
+    double independent = 0;  // values of one channel
+};
+
+bool addRun(const Recording& recording, const RunMotion& motion, const PartMotion& part, const std::string& triad,
+            const Eigen::Vector3d& position, TriaxMoments& moments) {
+    if (recording.sampleCount() != motion.time.size()) return false;
+    const auto samples = static_cast<Eigen::Index>(recording.sampleCount());
+    Eigen::MatrixXd measured(3, samples), point(3, samples);
+    for (int a = 0; a < 3; ++a) {
+        const Channel* channel = recording.find(triad + ".a" + kAxes[a]);
+        if (channel == nullptr) return false;
+        measured.row(a) = Eigen::Map<const Eigen::RowVectorXd>(channel->values.data(), samples);
+    }
+    for (Eigen::Index k = 0; k < samples; ++k)
+        point.col(k) = part.p.col(k) + rotationFromVector(part.theta.col(k)) * position;
+    const SmoothingKernel kernel(motion.interval, kPass, kStop);
+    const int step = std::max(1, static_cast<int>(1 / motion.interval / kRate));
+    const double interval = step * motion.interval;
+    const Eigen::MatrixXd s = kernel.apply(point, 2, step), y = kernel.apply(measured, 0, step);
+    const auto margin = static_cast<Eigen::Index>(2 + 2 * kernel.halfWidth() / step);
+    for (Eigen::Index k = margin; k + margin < s.cols(); ++k) {
+        Eigen::Matrix<double, 6, 1> z;
+        z.head<3>() = s.col(k);
+        z.tail<3>() = (8 * (s.col(k + 1) - s.col(k - 1)) - (s.col(k + 2) - s.col(k - 2))) / (12 * interval);
+        const Eigen::Vector3d d = y.col(k) - s.col(k);
+        moments.signal += z * z.transpose();
+        moments.misfit += d * z.transpose();
+        moments.square += d.cwiseAbs2();
+    }
+    moments.independent += static_cast<double>(s.cols()) * interval * 2 * kPass;
+    return true;
+}
+
+struct Hypothesis {
+    std::string cause, channel;
+    std::vector<Eigen::Matrix<double, 3, 6>> maps;
+};
+
+std::vector<Hypothesis> listHypotheses(const std::string& triad) {
+    std::vector<Hypothesis> list;
+    Hypothesis turned{"sensor_misalignment", triad + ".a", {}};
+    for (int a = 0; a < 3; ++a) {
+        Eigen::Matrix<double, 3, 6> gain = Eigen::Matrix<double, 3, 6>::Zero(), delay = gain, turn = gain;
+        gain(a, a) = 1;
+        delay(a, 3 + a) = -1;
+        turn((a + 1) % 3, (a + 2) % 3) = -1;
+        turn((a + 2) % 3, (a + 1) % 3) = 1;
+        list.push_back({"sensor_gain", triad + ".a" + kAxes[a], {gain}});
+        list.push_back({"sensor_delay", triad + ".a" + kAxes[a], {delay}});
+        turned.maps.push_back(turn);
+    }
+    list.push_back(turned);
+    Eigen::Matrix<double, 3, 6> all = Eigen::Matrix<double, 3, 6>::Zero();
+    for (int a = 0; a < 3; ++a) all(a, 3 + a) = -1;
+    list.push_back({"sensor_delay", triad + ".a", {all}});
+    return list;
+}
+
+void testTriax(const TriaxMoments& moments, const std::string& triad, double gain_scatter,
+               std::vector<ChannelFault>& faults) {
+    // What all columns together leave is noise.
+    const Matrix6 inverse = (moments.signal + 1e-12 * moments.signal.trace() * Matrix6::Identity()).inverse();
+    Eigen::Vector3d noise;
+    double explainable = 0;
+    for (int a = 0; a < 3; ++a) {
+        const double taken = moments.misfit.row(a) * inverse * moments.misfit.row(a).transpose();
+        noise[a] = std::max((moments.square[a] - taken) / moments.independent, 1e-12);
+        explainable += taken / noise[a];
+    }
+    double best = 0;
+    ChannelFault chosen;
+    for (const auto& hypothesis : listHypotheses(triad)) {
+        const auto count = static_cast<Eigen::Index>(hypothesis.maps.size());
+        Eigen::MatrixXd normal(count, count);
+        Eigen::VectorXd right(count);
+        const Eigen::Matrix3d weight = noise.cwiseInverse().asDiagonal();
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const auto& map = hypothesis.maps[static_cast<std::size_t>(i)];
+            right[i] = (weight * map).cwiseProduct(moments.misfit).sum();
+            for (Eigen::Index j = 0; j < count; ++j)
+                normal(i, j) =
+                    (weight * map * moments.signal).cwiseProduct(hypothesis.maps[static_cast<std::size_t>(j)]).sum();
+        }
+        const Eigen::VectorXd values = normal.ldlt().solve(right);
+        const Eigen::VectorXd errors = normal.inverse().diagonal().cwiseAbs().cwiseSqrt();
+        const double gain = values.dot(right) - 30.0 * static_cast<double>(count);
+        const bool large = hypothesis.cause == "sensor_gain"    ? std::abs(values[0]) > kScatters * gain_scatter
+                           : hypothesis.cause == "sensor_delay" ? std::abs(values[0]) > kLeastDelay
+                                                                : values.norm() > kLeastRotation;
+        if (gain <= best || !large) continue;
+        best = gain;
+        chosen = {};
+        chosen.cause = hypothesis.cause;
+        chosen.fault.channel = hypothesis.channel;
+        chosen.improvement = gain;
+        if (hypothesis.cause == "sensor_gain") {
+            chosen.fault.gain = 1 + values[0];
+            chosen.gain_error = errors[0];
+        } else if (hypothesis.cause == "sensor_delay") {
+            chosen.fault.delay = values[0];
+            chosen.delay_error = errors[0];
+        } else {
+            chosen.fault.rotation = values.head<3>();
+            chosen.rotation_error = errors.maxCoeff();
+        }
+    }
+    if (best > std::max(kLeastGain, kLeastShare * explainable)) faults.push_back(chosen);
+}
+
+}  // namespace
+
+std::vector<ChannelFault> findAccelerationFaults(const std::vector<Recording>& recordings,
+                                                 const std::vector<RunMotion>& motions, const MountModel& model,
+                                                 double gain_scatter) {
+    std::vector<ChannelFault> faults;
+    for (const bool mobile : {true, false})
+        for (const auto& connection : model.connections) {
+            const std::string triad = (mobile ? "mobile." : "fixed.") + connection.name;
+            TriaxMoments moments;
+            bool complete = true;
+            for (std::size_t r = 0; r < recordings.size() && complete; ++r) {
+                const PartMotion& part = mobile ? motions[r].mobile : motions[r].fixed;
+                complete = part.displacement_measured &&
+                           addRun(recordings[r], motions[r], part, triad, connection.position, moments);
+            }
+            if (complete && moments.independent > 0) testTriax(moments, triad, gain_scatter, faults);
+        }
+    return faults;
+}
+
+}  // namespace wems::identify

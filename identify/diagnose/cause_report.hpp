@@ -1,0 +1,27 @@
+/// @file
+/// From what the selection accepted to causes as results name them: values, intervals, probabilities, rivals.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identify/diagnose/channel_faults.hpp"
+#include "identify/diagnose/diagnosis.hpp"
+
+namespace wems::identify {
+
+/// Candidates of the same cause at several places become one. Sorted by falling gain.
+/// @param errors_without validation error of the free simulation without each accepted candidate
+/// @param unexplained a significant part is left: only causes that take away most by themselves keep a probability
+/// above one half
+std::vector<Cause> makeCauseReports(const Selection& selection, const std::vector<double>& errors_without,
+                                    double error_after, bool unexplained);
+
+/// A faulty channel as a cause, in its place by gain; several of one kind become one cause.
+/// @param error_ratio validation error with the fault left in over that with it corrected
+void addSensorCause(const ChannelFault& fault, double error_ratio, std::vector<Cause>& causes);
+
+/// The run that would tell two causes apart.
+std::string findSeparatingRun(const Candidate& named, const Candidate& rival);
+
+}  // namespace wems::identify

@@ -1,0 +1,228 @@
+#include "identify/diagnose/diagnosis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "identify/diagnose/acceleration_faults.hpp"
+#include "identify/diagnose/cause_report.hpp"
+#include "identify/diagnose/channel_correction.hpp"
+#include "identify/diagnose/channel_faults.hpp"
+#include "identify/diagnose/free_error.hpp"
+#include "identify/diagnose/leftover.hpp"
+#include "identify/motion/motion.hpp"
+#include "identify/motion/swept_frequency.hpp"
+#include "models/error.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr double kGainScatter = 1e-3;  // ordinary calibration of a channel
+constexpr double kFloors = 1.5;        // the verdict's limits: noise floors …
+constexpr double kLeastError = 0.03;   // … and error
+constexpr int kPasses = 3;
+constexpr double kOpenLoopEnough = 2.0;  // misfit per value of a model that is right but cannot be predicted freely
+
+/// Accelerations next to complete displacements serve the consistency of channels; the equations take one kind, so
+/// that no weighting between two kinds can colour their residual.
+Recording withoutAccelerations(const Recording& recording, const MountModel& model) {
+    const auto has = [&](const char* side) {
+        for (const auto& connection : model.connections)
+            for (const char* axis : {"x", "y", "z"})
+                if (recording.find(side + connection.name + "." + axis) == nullptr) return false;
+        return true;
+    };
+    if (!has("mobile.") || !has("fixed.")) return recording;
+    Recording result = recording;
+    result.channels.clear();
+    for (const auto& channel : recording.channels) {
+        const auto name = parseChannelName(channel.name);
+        if (name && (name->part == Part::mobile || name->part == Part::fixed) &&
+            name->derivative != Derivative::displacement)
+            continue;
+        result.channels.push_back(channel);
+    }
+    return result;
+}
+
+/// Runs of one group with all that the steps need.
+struct Group {
+    std::vector<RunMotion> motions;
+    std::vector<FreeRun> free_runs;
+    std::vector<Eigen::VectorXd> swept;
+
+    Group(const std::vector<Recording>& recordings, const MountModel& model) {
+        for (const auto& recording : recordings) {
+            const Recording used = withoutAccelerations(recording, model);
+            motions.push_back(estimateMotion(used, model));
+            swept.push_back(findSweptFrequency(used).hertz);
+            free_runs.push_back({nullptr, calcMeasuredRelative(used, motions.back(), model)});
+        }
+        for (std::size_t i = 0; i < motions.size(); ++i) free_runs[i].motion = &motions[i];
+    }
+    Group(const Group&) = delete;
+    Group& operator=(const Group&) = delete;
+    OpenLoopProblem makeProblem(const MountModel& model) const {
+        std::vector<OpenLoopRun> runs;
+        for (std::size_t i = 0; i < motions.size(); ++i) runs.push_back(makeOpenLoopRun(motions[i], model, swept[i]));
+        return {std::move(runs), model, kGainScatter};
+    }
+};
+
+/// Recordings without the faults, but for the one with index `kept` (none if there is no such).
+std::vector<Recording> correct(const std::vector<Recording>& recordings, const std::vector<ChannelFault>& faults,
+                               std::size_t kept) {
+    std::vector<SensorFault> list;
+    for (std::size_t i = 0; i < faults.size(); ++i)
+        if (i != kept) list.push_back(faults[i].fault);
+    std::vector<Recording> result;
+    result.reserve(recordings.size());
+    for (const auto& recording : recordings) result.push_back(correctChannels(recording, list));
+    return result;
+}
+
+bool isLarge(double error, double noise_floor) {
+    return error > kFloors * noise_floor && error > kLeastError;
+}
+
+/// One pass: motions, equations and selection with the given faults corrected.
+struct Pass {
+    Group fit_group, judge_group;
+    OpenLoopProblem fit_problem, judge_problem;
+    Selection selection;
+
+    Pass(const std::vector<Recording>& identification, const std::vector<Recording>& judges,
+         const std::vector<ChannelFault>& faults, const MountModel& model, const SelectionOptions& options)
+        : fit_group(correct(identification, faults, faults.size()), model),
+          judge_group(correct(judges, faults, faults.size()), model),
+          fit_problem(fit_group.makeProblem(model)),
+          judge_problem(judge_group.makeProblem(model)),
+          selection(selectCauses(fit_problem, judge_problem, model, options)) {}
+};
+
+/// Moves the faults of whole sides, which a pass knows to first order only, to the list that is corrected exactly.
+bool moveSideFaults(const Selection& selection, std::vector<ChannelFault>& faults) {
+    bool moved = false;
+    Eigen::Index first = 0;
+    for (const auto& candidate : selection.accepted) {
+        const Eigen::Index own = first;
+        first += static_cast<Eigen::Index>(candidate.knobs.size());
+        if (candidate.cause.rfind("sensor_", 0) != 0) continue;
+        moved = true;
+        const std::string& side = candidate.where.front();
+        auto known = std::find_if(faults.begin(), faults.end(), [&](const ChannelFault& fault) {
+            return fault.cause == candidate.cause && fault.fault.channel == side;
+        });
+        if (known == faults.end()) {
+            ChannelFault fault;
+            fault.cause = candidate.cause;
+            fault.fault.channel = side;
+            known = faults.insert(faults.end(), fault);
+        }
+        const double error = std::sqrt(std::max(0.0, selection.fit.covariance(own, own)));
+        for (const auto& sensor : selection.fit.model.sensors) {
+            if (sensor.channel != side) continue;
+            if (candidate.cause == "sensor_gain") {
+                known->fault.gain *= sensor.gain;
+                known->gain_error = error;
+            } else if (candidate.cause == "sensor_delay") {
+                known->fault.delay += sensor.delay;
+                known->delay_error = error;
+            } else {
+                known->fault.rotation += sensor.rotation;
+                known->rotation_error = error;
+            }
+        }
+    }
+    return moved;
+}
+
+/// Errors of free simulations before and after, with and without each cause, and what follows from them.
+void judge(const Pass& pass, const std::vector<Recording>& identification, const std::vector<Recording>& judges,
+           std::vector<ChannelFault> faults, const std::vector<ChannelFault>& on_accelerations, const MountModel& model,
+           Diagnosis& result) {
+    const Selection& selection = pass.selection;
+    const auto before = calcFreeError(pass.fit_group.free_runs, model),
+               judged_before = calcFreeError(pass.judge_group.free_runs, model);
+    result.error_before = result.error_after = {before.error, judged_before.error};
+    result.noise_floor = {before.noise_floor, judged_before.noise_floor};
+    if (!faults.empty())
+        result.error_before = {calcFreeError(Group(identification, model).free_runs, model).error,
+                               calcFreeError(Group(judges, model).free_runs, model).error};
+    double after = judged_before.error;
+    std::vector<double> errors_without;
+    if (!selection.accepted.empty()) {
+        after = calcFreeError(pass.judge_group.free_runs, result.extended).error;
+        result.error_after = {calcFreeError(pass.fit_group.free_runs, result.extended).error, after};
+        for (const auto& without : selection.models_without)
+            errors_without.push_back(calcFreeError(pass.judge_group.free_runs, without).error);
+    }
+    const bool unexplained = isLarge(after, judged_before.noise_floor) && selection.validation_after > kOpenLoopEnough;
+    result.causes = makeCauseReports(selection, errors_without, after, unexplained);
+    for (std::size_t i = 0; i < faults.size(); ++i) {
+        const Group with_fault(correct(judges, faults, i), model);
+        addSensorCause(faults[i], calcFreeError(with_fault.free_runs, result.extended).error / after, result.causes);
+    }
+    for (const auto& fault : on_accelerations) addSensorCause(fault, 1.0, result.causes);
+    faults.insert(faults.end(), on_accelerations.begin(), on_accelerations.end());
+    for (const auto& fault : faults) result.extended.sensors.push_back(fault.fault);
+    result.verdict = unexplained             ? Diagnosis::Verdict::unexplained
+                     : result.causes.empty() ? Diagnosis::Verdict::nothing_missing
+                                             : Diagnosis::Verdict::explained;
+    if (unexplained)
+        result.unexplained_where = locateResidual(pass.fit_problem, selection.fit.model, selection.fit.residual);
+}
+
+}  // namespace
+
+Diagnosis diagnose(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
+                   const MountModel& model, const DiagnosisOptions& options) {
+    if (identification.empty()) throw InputError({}, "no recording to diagnose", "at least one CSV file");
+    const auto tell = [&](const std::string& text) {
+        if (options.progress) options.progress(text);
+    };
+    Diagnosis result;
+    result.validated = !validation.empty();
+    const auto& judges = result.validated ? validation : identification;
+    tell("consistency of the channels");
+    std::vector<Recording> all = identification;
+    all.insert(all.end(), validation.begin(), validation.end());
+    auto faults = findChannelFaults(all, model, kGainScatter);
+    SelectionOptions selection_options;
+    selection_options.progress = options.progress;
+    tell("equations of motion");
+    auto pass = std::make_unique<Pass>(identification, judges, faults, model, selection_options);
+    for (int number = 1; number < kPasses && moveSideFaults(pass->selection, faults); ++number) {
+        tell("equations of motion with corrected channels");
+        pass = std::make_unique<Pass>(identification, judges, faults, model, selection_options);
+    }
+    const Selection& selection = pass->selection;
+    for (const auto& motion : pass->fit_group.motions)
+        for (const auto& note : motion.notes)
+            if (std::find(result.notes.begin(), result.notes.end(), note) == result.notes.end())
+                result.notes.push_back(note);
+    result.misfit_before = selection.validation_before;
+    result.misfit_after = selection.validation_after;
+    result.rounds = selection.rounds;
+    result.extended = selection.fit.model;
+    const auto on_accelerations = findAccelerationFaults(correct(identification, faults, faults.size()),
+                                                         pass->fit_group.motions, model, kGainScatter);
+    tell("free simulations");
+    judge(*pass, identification, judges, faults, on_accelerations, model, result);
+    return result;
+}
+
+std::string formatVerdict(Diagnosis::Verdict verdict) {
+    switch (verdict) {
+        case Diagnosis::Verdict::explained:
+            return "explained";
+        case Diagnosis::Verdict::nothing_missing:
+            return "nothing_missing";
+        case Diagnosis::Verdict::unexplained:
+            return "unexplained";
+    }
+    return {};
+}
+
+}  // namespace wems::identify

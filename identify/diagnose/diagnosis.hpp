@@ -1,0 +1,74 @@
+/// @file
+/// What the simulation gets wrong: from recordings and a model to named causes, an extended model and its gain.
+///
+/// Order of the argument: (1) the measurement, by the consistency of each rigid part's channels; (2) the equations of
+/// motion of mount and bracket along the measured motion (open loop: nothing chaotic enters), whitened by the noise
+/// that the recordings themselves show; (3) every cause of the catalogue at every place, fitted jointly with those
+/// already accepted and judged on the validation runs; (4) free simulations before and after.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "identify/diagnose/selection.hpp"
+#include "models/mount_model.hpp"
+#include "models/recording/recording.hpp"
+
+namespace wems::identify {
+
+/// A fitted parameter under the name that results use. Value and interval are not finite for a stop that is removed.
+struct CauseParameter {
+    std::string name, unit;
+    double value = 0;
+    double lower = 0, upper = 0;  ///< 95 % interval
+};
+
+/// A cause that these data cannot tell from the one named.
+struct Rival {
+    std::string cause;
+    std::vector<std::string> where;
+    std::vector<CauseParameter> parameters;
+    std::string separate_by;  ///< the run that would decide
+};
+
+struct Cause {
+    std::string cause;
+    double probability = 0;
+    double gain_db = 0;  ///< validation error without it (others refitted) over that with all, dB
+    std::vector<std::string> where;
+    std::vector<CauseParameter> parameters;
+    std::vector<Rival> rivals;
+};
+
+struct GroupError {
+    double identification = 0, validation = 0;
+};
+
+struct Diagnosis {
+    enum class Verdict { explained, nothing_missing, unexplained };
+    Verdict verdict = Verdict::nothing_missing;
+    GroupError error_before, error_after, noise_floor;
+    std::vector<Cause> causes;                   ///< by falling gain
+    std::vector<std::string> unexplained_where;  ///< connection.axis, `bracket`, then `free` or `contact`
+    MountModel extended;
+    bool validated = false;    ///< false: the identification runs had to judge themselves
+    double misfit_before = 0;  ///< open-loop misfit of the validation runs per value; 1 for a perfect model
+    double misfit_after = 0;
+    std::vector<Round> rounds;       ///< the selection's own record
+    std::vector<std::string> notes;  ///< how the motion was derived, what was found odd
+};
+
+struct DiagnosisOptions {
+    std::function<void(const std::string&)> progress;  ///< may be empty
+};
+
+/// @param validation runs that judge; empty: the identification runs do, which `validated` says
+/// @throws InputError if the motion cannot be recovered or a simulation is not possible
+Diagnosis diagnose(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
+                   const MountModel& model, const DiagnosisOptions& options = {});
+
+/// `explained`, `nothing_missing`, `unexplained`.
+std::string formatVerdict(Diagnosis::Verdict verdict);
+
+}  // namespace wems::identify

@@ -1,0 +1,35 @@
+/// @file
+/// Discrete Fourier transforms of the rows of a matrix.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+namespace wems::identify {
+
+/// Real rows ↔ complex spectra, zero-padded to a size with small prime factors. Transforming is const and may be done
+/// by several threads at once; constructing may not.
+class Fourier {
+public:
+    /// @param samples least number of samples; size() ≥ samples
+    explicit Fourier(int samples);
+    ~Fourier();
+    Fourier(Fourier&&) noexcept;
+    Fourier& operator=(Fourier&&) noexcept;
+    Fourier(const Fourier&) = delete;
+    Fourier& operator=(const Fourier&) = delete;
+
+    int size() const;
+    int binCount() const { return size() / 2 + 1; }
+
+    /// X_k = Σ_n x_n exp(−2πi k n / size): rows x binCount().
+    Eigen::MatrixXcd forward(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
+    /// The inverse, its first `samples` columns.
+    Eigen::MatrixXd inverse(const Eigen::Ref<const Eigen::MatrixXcd>& spectra, int samples) const;
+
+private:
+    struct Plans;
+    std::unique_ptr<Plans> plans_;
+};
+
+}  // namespace wems::identify

@@ -1,0 +1,112 @@
+#include "identify/diagnose/free_error.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "identify/diagnose/fourier.hpp"
+#include "identify/forward/forward_model.hpp"
+#include "models/bryant.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr double kPerturbation = 1e-5;
+constexpr const char* kAxes[3] = {"x", "y", "z"};
+
+Eigen::MatrixXd simulate(const RunMotion& run, const MountModel& model) {
+    const ForwardModel forward(model);
+    const auto drive = Drive::make(run, model, makeGrid(run, model));
+    Eigen::MatrixXd q = forward.simulate(drive).q;
+    q.colwise() -= forward.restDisplacement();
+    return q;
+}
+
+/// Both sides above a frequency, where below it nothing was measured.
+Eigen::MatrixXd highPass(const Eigen::MatrixXd& rows, double frequency, double interval) {
+    if (frequency <= 0) return rows;
+    const Fourier fourier(static_cast<int>(rows.cols()));
+    Eigen::MatrixXcd spectra = fourier.forward(rows);
+    const auto first = static_cast<Eigen::Index>(frequency * fourier.size() * interval);
+    spectra.leftCols(std::min(first, spectra.cols())).setZero();
+    return fourier.inverse(spectra, static_cast<int>(rows.cols()));
+}
+
+bool onlyAccelerations(const RunMotion& run) {
+    return !run.mobile.displacement_measured;
+}
+
+double noiseVariance(const RunMotion& run) {
+    const auto square = [](double noise) { return std::isfinite(noise) ? noise * noise : 0.0; };
+    return square(run.mobile.displacement_noise) + square(run.fixed.displacement_noise);
+}
+
+}  // namespace
+
+Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion& run, const MountModel& model) {
+    const auto samples = static_cast<Eigen::Index>(run.time.size());
+    Eigen::MatrixXd q(3 * static_cast<Eigen::Index>(model.connections.size()), samples);
+    const bool same_times = recording.sampleCount() == run.time.size();
+    for (std::size_t i = 0; i < model.connections.size(); ++i) {
+        const auto& connection = model.connections[i];
+        const Channel *mobile[3], *fixed[3];
+        bool complete = same_times && run.mobile.displacement_measured && run.fixed.displacement_measured;
+        for (int a = 0; a < 3; ++a) {
+            mobile[a] = recording.find("mobile." + connection.name + "." + kAxes[a]);
+            fixed[a] = recording.find("fixed." + connection.name + "." + kAxes[a]);
+            complete = complete && mobile[a] != nullptr && fixed[a] != nullptr;
+        }
+        for (Eigen::Index k = 0; k < samples; ++k) {
+            const Eigen::Matrix3d R_GF = rotationFromVector(run.fixed.theta.col(k));
+            Eigen::Vector3d relative;
+            if (complete) {
+                for (int a = 0; a < 3; ++a)
+                    relative[a] =
+                        mobile[a]->values[static_cast<std::size_t>(k)] - fixed[a]->values[static_cast<std::size_t>(k)];
+            } else {
+                const Eigen::Matrix3d R_GM = rotationFromVector(run.mobile.theta.col(k));
+                relative =
+                    run.mobile.p.col(k) + R_GM * connection.position - run.fixed.p.col(k) - R_GF * connection.position;
+            }
+            q.block<3, 1>(3 * static_cast<Eigen::Index>(i), k) = R_GF.transpose() * relative;
+        }
+    }
+    return q;
+}
+
+FreeError calcFreeError(const std::vector<FreeRun>& runs, const MountModel& model) {
+    FreeError result;
+    double difference = 0, signal = 0, noise = 0;
+    for (const auto& run : runs) {
+        const double from = onlyAccelerations(*run.motion) ? run.motion->trusted_from : 0.0;
+        const Eigen::MatrixXd measured = highPass(run.measured, from, run.motion->interval);
+        signal += measured.squaredNorm();
+        noise += noiseVariance(*run.motion) * static_cast<double>(measured.size());
+        try {
+            const Eigen::MatrixXd simulated = highPass(simulate(*run.motion, model), from, run.motion->interval);
+            difference += (simulated - measured).squaredNorm();
+        } catch (const SimulationDiverged&) {
+            result.diverged = true;
+        }
+    }
+    result.error = result.diverged ? std::numeric_limits<double>::infinity() : std::sqrt(difference / signal);
+    result.noise_floor = std::sqrt(noise / signal);
+    return result;
+}
+
+double calcAmplification(const std::vector<FreeRun>& runs, const MountModel& model) {
+    MountModel heavier = model;
+    heavier.body.mass *= 1 + kPerturbation;
+    double difference = 0, signal = 0;
+    for (const auto& run : runs) {
+        try {
+            const Eigen::MatrixXd one = simulate(*run.motion, model), other = simulate(*run.motion, heavier);
+            difference += (one - other).squaredNorm();
+            signal += one.squaredNorm();
+        } catch (const SimulationDiverged&) {
+            return std::numeric_limits<double>::infinity();
+        }
+    }
+    return std::sqrt(difference / signal) / kPerturbation;
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,133 @@
+#include "identify/diagnose/leftover.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <complex>
+
+#include "identify/diagnose/mount_equation.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr const char* kAxes[3] = {"x", "y", "z"};
+constexpr double kNear = 0.01;       // s around a contact that belong to it
+constexpr double kEnough = 0.7;      // share of the residual that one axis must carry alone
+constexpr double kNoticeable = 0.2;  // share of the connection's that an axis must carry to be named
+using Vector6c = Eigen::Matrix<std::complex<double>, 6, 1>;
+
+Vector6c valuesAt(const Eigen::Ref<const Eigen::VectorXf>& values, Eigen::Index bin) {
+    Vector6c result;
+    for (int i = 0; i < 6; ++i)
+        result[i] = {static_cast<double>(values[12 * bin + i]), static_cast<double>(values[12 * bin + 6 + i])};
+    return result;
+}
+
+/// Mean share (0 … 1) of what exceeds the noise that lies in the span of the given directions.
+double calcShare(const OpenLoopProblem& problem, const WhiteVector& residual,
+                 const Eigen::Matrix<double, 6, Eigen::Dynamic>& directions) {
+    double inside = 0, total = 0;
+    const double noise = 2.0 * static_cast<double>(directions.cols());
+    for (std::size_t r = 0; r < problem.runs().size(); ++r) {
+        const auto& whitening = problem.whitening(r);
+        const auto values = residual.values.segment(problem.offset(r), whitening.mountSize());
+        for (Eigen::Index b = 0; b < whitening.binCount(); ++b) {
+            const Eigen::Matrix<std::complex<double>, 6, Eigen::Dynamic> span =
+                whitening.mountFactor(b) * directions.cast<std::complex<double>>();
+            const Vector6c y = valuesAt(values, b);
+            const Eigen::VectorXcd right = span.adjoint() * y;
+            const Eigen::MatrixXcd normal = span.adjoint() * span;
+            inside += right.dot(normal.ldlt().solve(right)).real() - noise;
+            total += y.squaredNorm() - 12;
+        }
+    }
+    return inside / std::max(total, 1e-300);
+}
+
+/// Excess over noise of the two equations.
+std::pair<double, double> calcExcess(const OpenLoopProblem& problem, const WhiteVector& residual) {
+    std::pair<double, double> excess{0, 0};
+    for (std::size_t r = 0; r < problem.runs().size(); ++r) {
+        const auto size = problem.whitening(r).mountSize();
+        excess.first += residual.values.segment(problem.offset(r), size).squaredNorm() - static_cast<float>(size);
+        if (problem.hasBracket(r))
+            excess.second +=
+                residual.values.segment(problem.offset(r) + size, size).squaredNorm() - static_cast<float>(size);
+    }
+    return excess;
+}
+
+std::vector<std::string> findRegimes(const OpenLoopProblem& problem, const MountModel& model) {
+    double power[2] = {0, 0}, time[2] = {0, 0};
+    for (const auto& run : problem.runs()) {
+        std::vector<char> contact(static_cast<std::size_t>(run.sampleCount()), 0);
+        const int near = static_cast<int>(kNear / run.interval);
+        for (Eigen::Index row = 0; row < run.q.rows(); ++row) {
+            const auto& law =
+                model.connections[static_cast<std::size_t>(row / 3)].axis[static_cast<std::size_t>(row % 3)];
+            for (const auto& stop : law.stops) {
+                const double sign = stop.side == Side::positive ? 1.0 : -1.0;
+                for (int k = 0; k < run.sampleCount(); ++k)
+                    if (sign * (run.q(row, k) + law.offset) > stop.clearance)
+                        for (int j = std::max(0, k - near); j < std::min(run.sampleCount(), k + near + 1); ++j)
+                            contact[static_cast<std::size_t>(j)] = 1;
+            }
+        }
+        const Eigen::MatrixXd residual = calcMountResidual(run, model);
+        for (int k = 0; k < run.sampleCount(); ++k) {
+            const int regime = contact[static_cast<std::size_t>(k)];
+            power[regime] += run.taper[k] * residual.col(k).head<3>().squaredNorm();
+            time[regime] += run.taper[k];
+        }
+    }
+    if (time[1] == 0) return {"free"};
+    const double share = power[1] / (power[0] + power[1]);
+    const bool denser = time[0] == 0 || power[1] / time[1] > 3 * power[0] / time[0];
+    if (share > 0.7 && denser) return {"contact"};
+    if (share < 0.3) return {"free"};
+    return {"free", "contact"};
+}
+
+}  // namespace
+
+std::vector<std::string> locateResidual(const OpenLoopProblem& problem, const MountModel& model,
+                                        const WhiteVector& residual) {
+    std::vector<std::string> places;
+    const auto [mount, bracket] = calcExcess(problem, residual);
+    if (bracket > 3 * mount) return {"bracket"};
+    std::size_t best_axis = 0, best_connection = 0;
+    double best_axis_share = -1, best_connection_share = -1;
+    std::vector<double> shares;
+    for (std::size_t i = 0; i < model.connections.size(); ++i) {
+        Eigen::Matrix<double, 6, Eigen::Dynamic> all(6, 3);
+        for (int a = 0; a < 3; ++a) {
+            all.col(a) = calcAxisDirection(model, static_cast<int>(i), a);
+            shares.push_back(calcShare(problem, residual, all.col(a)));
+            if (shares.back() > best_axis_share) {
+                best_axis_share = shares.back();
+                best_axis = shares.size() - 1;
+            }
+        }
+        const double share = calcShare(problem, residual, all);
+        if (share > best_connection_share) {
+            best_connection_share = share;
+            best_connection = i;
+        }
+    }
+    const auto name = [&](std::size_t axis) { return model.connections[axis / 3].name + "." + kAxes[axis % 3]; };
+    if (best_axis_share > kEnough) {
+        places.push_back(name(best_axis));
+    } else {
+        double sum = 0;
+        for (std::size_t a = 0; a < 3; ++a) sum += std::max(0.0, shares[3 * best_connection + a]);
+        std::vector<std::size_t> order{0, 1, 2};
+        std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+            return shares[3 * best_connection + a] > shares[3 * best_connection + b];
+        });
+        for (const auto a : order)
+            if (shares[3 * best_connection + a] > kNoticeable * sum) places.push_back(name(3 * best_connection + a));
+    }
+    for (const auto& regime : findRegimes(problem, model)) places.push_back(regime);
+    return places;
+}
+
+}  // namespace wems::identify

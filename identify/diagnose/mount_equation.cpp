@@ -1,0 +1,158 @@
+#include "identify/diagnose/mount_equation.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <vector>
+
+namespace wems::identify {
+namespace {
+
+/// z(h) of z' = (q − z)/τ over a step: decay · z(0) + weights · (q0, h v0, q1, h v1) for cubic Hermite q.
+struct BranchStep {
+    double decay;
+    double weight[4];
+};
+
+BranchStep makeBranchStep(double interval, double time_constant) {
+    const double x = interval / time_constant;
+    BranchStep step{std::exp(-x), {0, 0, 0, 0}};
+    // Gauss–Legendre on pieces no longer than the time constant.
+    constexpr double kNode[3] = {-0.7745966692414834, 0.0, 0.7745966692414834};
+    constexpr double kWeight[3] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
+    const int pieces = std::max(4, static_cast<int>(std::ceil(2 * x)));
+    for (int i = 0; i < pieces; ++i) {
+        for (int g = 0; g < 3; ++g) {
+            const double u = (i + 0.5 + 0.5 * kNode[g]) / pieces;  // 0 … 1 within the step
+            const double factor = 0.5 * kWeight[g] / pieces * x * std::exp(-x * (1 - u));
+            const double u2 = u * u, u3 = u2 * u;
+            step.weight[0] += factor * (2 * u3 - 3 * u2 + 1);
+            step.weight[1] += factor * (u3 - 2 * u2 + u);
+            step.weight[2] += factor * (3 * u2 - 2 * u3);
+            step.weight[3] += factor * (u3 - u2);
+        }
+    }
+    return step;
+}
+
+Eigen::Vector3d axisDirection(const OpenLoopRun& run, std::size_t sample, int axis) {
+    return run.fixed.R[sample].col(axis);
+}
+
+}  // namespace
+
+Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int connection, int axis) {
+    const AxisForce force(law);
+    const int row = 3 * connection + axis;
+    const Eigen::VectorXd q = run.q.row(row), v = run.v.row(row);
+    const int count = run.sampleCount();
+    Eigen::VectorXd result(count);
+    const auto& branches = force.branches();
+    std::vector<double> z(static_cast<std::size_t>(force.stateCount()), 0.0);
+    std::vector<BranchStep> steps;
+    for (std::size_t b = 0; b < branches.size(); ++b) {
+        steps.push_back(makeBranchStep(run.interval, branches[b].time_constant));
+        z[b] = q[0];
+    }
+    const bool bristle = z.size() > branches.size();
+    const double stretch =
+        bristle && law.friction->force > 0 ? law.friction->force / *law.friction->presliding_stiffness : 0.0;
+    for (int k = 0; k < count; ++k) {
+        if (k > 0) {
+            for (std::size_t b = 0; b < branches.size(); ++b) {
+                const auto& s = steps[b];
+                z[b] = s.decay * z[b] + s.weight[0] * q[k - 1] + s.weight[1] * run.interval * v[k - 1] +
+                       s.weight[2] * q[k] + s.weight[3] * run.interval * v[k];
+            }
+            if (bristle) {
+                const double dq = q[k] - q[k - 1];
+                const double limit = std::copysign(stretch, dq);
+                z.back() = stretch > 0 ? limit + (z.back() - limit) * std::exp(-std::abs(dq) / stretch) : 0.0;
+            }
+        }
+        result[k] = force.calcForce(q[k], v[k], run.time[k], z.data());
+    }
+    return result;
+}
+
+void addAxisWrench(const OpenLoopRun& run, const MountModel& model, int connection, int axis,
+                   const Eigen::Ref<const Eigen::VectorXd>& f, Eigen::MatrixXd& wrench) {
+    const Eigen::Vector3d position = model.connections[static_cast<std::size_t>(connection)].position;
+    for (int k = 0; k < run.sampleCount(); ++k) {
+        const auto s = static_cast<std::size_t>(k);
+        const Eigen::Vector3d force = f[k] * axisDirection(run, s, axis);
+        wrench.block<3, 1>(0, k) += force;
+        wrench.block<3, 1>(3, k) += (run.mobile.R[s] * position).cross(force);
+    }
+}
+
+Eigen::MatrixXd calcDemand(const OpenLoopRun& run, const MobileBody& body, const Eigen::Vector3d& gravity) {
+    Eigen::MatrixXd demand(6, run.sampleCount());
+    const bool has_base = run.base.cols() > 0;
+    for (int k = 0; k < run.sampleCount(); ++k) {
+        const Eigen::Matrix3d& R = run.mobile.R[static_cast<std::size_t>(k)];
+        const Eigen::Vector3d c = R * body.center_of_gravity, w = run.mobile.w.col(k), alpha = run.mobile.alpha.col(k);
+        Eigen::Vector3d a = run.mobile.a.col(k) + alpha.cross(c) + w.cross(w.cross(c)) - gravity;
+        if (has_base) a += run.base.col(k);
+        const Eigen::Matrix3d inertia = R * body.inertia * R.transpose();
+        const Eigen::Vector3d force = body.mass * a;
+        demand.block<3, 1>(0, k) = force;
+        demand.block<3, 1>(3, k) = inertia * alpha + w.cross(inertia * w + R * body.spin) + c.cross(force);
+    }
+    return demand;
+}
+
+Eigen::MatrixXd calcMountResidual(const OpenLoopRun& run, const MountModel& model) {
+    Eigen::MatrixXd wrench = calcDemand(run, model.body, model.gravity);
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        for (int a = 0; a < 3; ++a) {
+            const auto c = static_cast<int>(i);
+            const auto& law = model.connections[i].axis[static_cast<std::size_t>(a)];
+            addAxisWrench(run, model, c, a, calcAxisForce(run, law, c, a), wrench);
+        }
+    return wrench;
+}
+
+bool sameLaw(const AxisLaw& a, const AxisLaw& b) {
+    if (a.stiffness != b.stiffness || a.damping != b.damping || a.offset != b.offset || a.cubic != b.cubic ||
+        a.loss_factor != b.loss_factor || a.drift != b.drift || a.stops.size() != b.stops.size() ||
+        a.relaxation.has_value() != b.relaxation.has_value() || a.friction.has_value() != b.friction.has_value())
+        return false;
+    if (a.relaxation && (a.relaxation->stiffness_ratio != b.relaxation->stiffness_ratio ||
+                         a.relaxation->time_constant != b.relaxation->time_constant))
+        return false;
+    if (a.friction &&
+        (a.friction->force != b.friction->force || a.friction->transition_velocity != b.friction->transition_velocity ||
+         a.friction->presliding_stiffness != b.friction->presliding_stiffness))
+        return false;
+    for (std::size_t i = 0; i < a.stops.size(); ++i) {
+        const Stop &s = a.stops[i], &t = b.stops[i];
+        if (s.side != t.side || s.clearance != t.clearance || s.stiffness != t.stiffness ||
+            s.dissipation != t.dissipation)
+            return false;
+    }
+    return true;
+}
+
+bool sameBody(const MobileBody& a, const MobileBody& b) {
+    return a.mass == b.mass && a.center_of_gravity == b.center_of_gravity && a.inertia == b.inertia && a.spin == b.spin;
+}
+
+Eigen::MatrixXd calcMountDifference(const OpenLoopRun& run, const MountModel& from, const MountModel& to) {
+    Eigen::MatrixXd wrench;
+    if (!sameBody(from.body, to.body))
+        wrench = calcDemand(run, to.body, to.gravity) - calcDemand(run, from.body, from.gravity);
+    for (std::size_t i = 0; i < to.connections.size(); ++i)
+        for (int a = 0; a < 3; ++a) {
+            const auto c = static_cast<int>(i);
+            const auto &before = from.connections[i].axis[static_cast<std::size_t>(a)],
+                       &after = to.connections[i].axis[static_cast<std::size_t>(a)];
+            if (sameLaw(before, after)) continue;
+            const Eigen::VectorXd force = calcAxisForce(run, after, c, a) - calcAxisForce(run, before, c, a);
+            if (force.isZero(0.0)) continue;  // such as a stop that is not reached
+            if (wrench.size() == 0) wrench = Eigen::MatrixXd::Zero(6, run.sampleCount());
+            addAxisWrench(run, to, c, a, force, wrench);
+        }
+    return wrench;
+}
+
+}  // namespace wems::identify

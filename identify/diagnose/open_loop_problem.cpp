@@ -1,0 +1,152 @@
+#include "identify/diagnose/open_loop_problem.hpp"
+
+#include <utility>
+
+#include "identify/diagnose/calibration.hpp"
+#include "identify/diagnose/mount_equation.hpp"
+
+namespace wems::identify {
+namespace {
+
+bool sameModes(const std::vector<BracketMode>& a, const std::vector<BracketMode>& b) {
+    if (a.size() != b.size()) return false;
+    for (std::size_t j = 0; j < a.size(); ++j)
+        if (a[j].frequency != b[j].frequency || a[j].damping_ratio != b[j].damping_ratio ||
+            a[j].translation != b[j].translation || a[j].rotation != b[j].rotation ||
+            a[j].load_translation != b[j].load_translation)
+            return false;
+    return true;
+}
+
+/// Gain − 1, delay and rotation that all channels of a side share.
+Eigen::Matrix<float, 5, 1> calcSideFault(const MountModel& model, const std::string& side) {
+    Eigen::Matrix<float, 5, 1> fault = Eigen::Matrix<float, 5, 1>::Zero();
+    for (const auto& sensor : model.sensors) {
+        if (sensor.channel != side) continue;
+        fault[0] += static_cast<float>(sensor.gain - 1);
+        fault[1] += static_cast<float>(sensor.delay);
+        fault.tail<3>() += sensor.rotation.cast<float>();
+    }
+    return fault;
+}
+
+bool sameLoad(const MountModel& a, const MountModel& b) {
+    if (a.load.has_value() != b.load.has_value()) return false;
+    return !a.load || a.load->gain_over_frequency == b.load->gain_over_frequency;
+}
+
+}  // namespace
+
+OpenLoopProblem::OpenLoopProblem(std::vector<OpenLoopRun> runs, const MountModel& model, double gain_scatter)
+    : runs_(std::move(runs)) {
+    for (const auto& run : runs_) {
+        const bool with_bracket = BracketEquation::isAvailable(run, model);
+        brackets_.push_back(with_bracket ? std::make_unique<BracketEquation>(run) : nullptr);
+        whitenings_.push_back(std::make_unique<Whitening>(run, model, with_bracket));
+        offsets_.push_back(size_);
+        size_ += whitenings_.back()->size();
+    }
+    reference_ = model;
+    addCalibrationColumns(gain_scatter);
+    setReference(model);
+}
+
+void OpenLoopProblem::addCalibrationColumns(double gain_scatter) {
+    const auto channels = 6 * static_cast<Eigen::Index>(reference_.connections.size());
+    calibration_ = Eigen::MatrixXf::Zero(size_, channels + 3);
+    sides_ = Eigen::MatrixXf::Zero(size_, 10);
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+        const CalibrationResponse response(runs_[r], reference_, brackets_[r].get());
+        for (Eigen::Index c = 0; c < calibration_.cols(); ++c) {
+            Eigen::MatrixXd mount, bracket;
+            response.calc(c, mount, bracket);
+            calibration_.col(c).segment(offsets_[r], whitenings_[r]->size()) =
+                static_cast<float>(gain_scatter) * whitenings_[r]->apply(mount, bracket);
+        }
+        for (int c = 0; c < 10; ++c) {
+            if (c >= 5 && !runs_[r].fixed_measured) continue;
+            Eigen::MatrixXd mount, bracket;
+            response.calcSide(c < 5, c % 5, mount, bracket);
+            sides_.col(c).segment(offsets_[r], whitenings_[r]->size()) = whitenings_[r]->apply(mount, bracket);
+        }
+    }
+    Eigen::MatrixXd normal = (calibration_.transpose() * calibration_).cast<double>();
+    normal.diagonal().array() += 1.0;
+    calibration_factor_.compute(normal);
+}
+
+void OpenLoopProblem::addSideFaults(const MountModel& model, float sign, Eigen::VectorXf& values) const {
+    Eigen::Matrix<float, 10, 1> fault;
+    fault << calcSideFault(model, "mobile"), calcSideFault(model, "fixed");
+    if (fault.isZero(0.0F)) return;
+    if (values.size() == 0) values = Eigen::VectorXf::Zero(size_);
+    for (int c = 0; c < 10; ++c)
+        if (fault[c] != 0) values += sign * fault[c] * sides_.col(c);
+}
+
+WhiteVector OpenLoopProblem::makeVector(Eigen::VectorXf values) const {
+    WhiteVector result;
+    result.calibration = (calibration_.transpose() * values).cast<double>();
+    result.values = std::move(values);
+    return result;
+}
+
+Eigen::VectorXf OpenLoopProblem::calcValues(const MountModel& model) const {
+    Eigen::VectorXf values(size_);
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+        Eigen::MatrixXd bracket;
+        if (brackets_[r]) bracket = brackets_[r]->calcResidual(model);
+        values.segment(offsets_[r], whitenings_[r]->size()) =
+            whitenings_[r]->apply(calcMountResidual(runs_[r], model), bracket);
+    }
+    addSideFaults(model, 1.0F, values);
+    return values;
+}
+
+void OpenLoopProblem::setReference(const MountModel& model) {
+    reference_ = model;
+    reference_values_ = calcValues(model);
+}
+
+WhiteVector OpenLoopProblem::calcResidual(const MountModel& model) const {
+    auto difference = calcDifference(reference_, model);
+    if (difference.isZero()) return makeVector(reference_values_);
+    return makeVector(reference_values_ + difference.values);
+}
+
+WhiteVector OpenLoopProblem::calcDifference(const MountModel& from, const MountModel& to) const {
+    const bool bracket_differs =
+        !sameBody(from.body, to.body) || !sameModes(from.bracket, to.bracket) || !sameLoad(from, to);
+    Eigen::VectorXf values;
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+        const Eigen::MatrixXd mount = calcMountDifference(runs_[r], from, to);
+        Eigen::MatrixXd bracket;
+        if (brackets_[r] && bracket_differs)
+            bracket = brackets_[r]->calcPrediction(to) - brackets_[r]->calcPrediction(from);
+        if (mount.size() == 0 && bracket.size() == 0) continue;
+        if (values.size() == 0) values = Eigen::VectorXf::Zero(size_);
+        values.segment(offsets_[r], whitenings_[r]->size()) = whitenings_[r]->apply(mount, bracket);
+    }
+    addSideFaults(to, 1.0F, values);
+    addSideFaults(from, -1.0F, values);
+    if (values.size() == 0) return {};
+    return makeVector(std::move(values));
+}
+
+double OpenLoopProblem::product(const WhiteVector& a, const WhiteVector& b) const {
+    if (a.isZero() || b.isZero()) return 0;
+    // In blocks, so that single precision does not lose the sum.
+    double sum = 0;
+    constexpr Eigen::Index kBlock = 4096;
+    for (Eigen::Index i = 0; i < a.values.size(); i += kBlock) {
+        const Eigen::Index count = std::min(kBlock, a.values.size() - i);
+        sum += static_cast<double>(a.values.segment(i, count).dot(b.values.segment(i, count)));
+    }
+    return sum - a.calibration.dot(calibration_factor_.solve(b.calibration));
+}
+
+Eigen::VectorXd OpenLoopProblem::calcCalibration(const WhiteVector& residual) const {
+    return -calibration_factor_.solve(residual.calibration);
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,77 @@
+/// @file
+/// The whitened open-loop residual of a group of runs as a function of the model, with calibration scatter
+/// marginalised.
+///
+/// Every channel may have an ordinary calibration error, and so may the load: a gain 1 + g, g of known small standard
+/// deviation. To first order it adds N g to the residual; integrating over g replaces the inner product of two
+/// residuals or columns by
+///
+///     <a, b> = aᵀ b − aᵀ N (NᵀN + 1)⁻¹ Nᵀ b      (N scaled by the standard deviations)
+///
+/// so that nothing is named that such scatter could make.
+///
+/// Faults that all displacement channels of a side share (`mobile`, `fixed` in the model's sensors) act to first order.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "identify/diagnose/bracket_equation.hpp"
+#include "identify/diagnose/open_loop_run.hpp"
+#include "identify/diagnose/whitening.hpp"
+
+namespace wems::identify {
+
+/// A vector with its products with the calibration columns.
+struct WhiteVector {
+    Eigen::VectorXf values;
+    Eigen::VectorXd calibration;  ///< Nᵀ values
+    bool isZero() const { return values.size() == 0; }
+};
+
+class OpenLoopProblem {
+public:
+    /// @param gain_scatter standard deviation of an ordinary channel's gain
+    OpenLoopProblem(std::vector<OpenLoopRun> runs, const MountModel& model, double gain_scatter);
+
+    const std::vector<OpenLoopRun>& runs() const { return runs_; }
+    const Whitening& whitening(std::size_t run) const { return *whitenings_[run]; }
+    bool hasBracket(std::size_t run) const { return brackets_[run] != nullptr; }
+    Eigen::Index size() const { return size_; }
+    /// First value of a run.
+    Eigen::Index offset(std::size_t run) const { return offsets_[run]; }
+
+    /// The residual of the reference is kept; others are computed from what differs.
+    void setReference(const MountModel& model);
+    const MountModel& reference() const { return reference_; }
+
+    WhiteVector calcResidual(const MountModel& model) const;
+    /// Residual of `to` minus that of `from`; values empty if nothing that is measured here differs.
+    WhiteVector calcDifference(const MountModel& from, const MountModel& to) const;
+    /// A vector of whitened values with its calibration products.
+    WhiteVector makeVector(Eigen::VectorXf values) const;
+
+    double product(const WhiteVector& a, const WhiteVector& b) const;
+    /// Maximum-posterior calibration errors that a residual implies (in standard deviations).
+    Eigen::VectorXd calcCalibration(const WhiteVector& residual) const;
+
+private:
+    void addCalibrationColumns(double gain_scatter);
+    Eigen::VectorXf calcValues(const MountModel& model) const;
+    void addSideFaults(const MountModel& model, float sign, Eigen::VectorXf& values) const;
+
+    std::vector<OpenLoopRun> runs_;
+    std::vector<std::unique_ptr<Whitening>> whitenings_;
+    std::vector<std::unique_ptr<BracketEquation>> brackets_;
+    std::vector<Eigen::Index> offsets_;
+    Eigen::Index size_ = 0;
+    MountModel reference_;
+    Eigen::VectorXf reference_values_;
+    Eigen::MatrixXf calibration_;
+    Eigen::LLT<Eigen::MatrixXd> calibration_factor_;
+    Eigen::MatrixXf sides_;  ///< mobile, then fixed side: gain, delay, rotation; to first order
+};
+
+}  // namespace wems::identify

@@ -1,0 +1,112 @@
+#include "identify/diagnose/open_loop_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "models/bryant.hpp"
+#include "models/mount_forces.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kPass = 220.0;          // Hz: the harmonics of contact included, as laws act on the smoothed motion
+constexpr double kStop = 380.0;          // Hz
+constexpr double kLeastRate = 950.0;     // Hz after decimation
+constexpr double kTaper = 0.15;          // s
+constexpr double kSmallestNoise = 1e-8;  // m: round-off of a file, where the noise is not known
+
+SmoothPart smooth(const PartMotion& part, const SmoothingKernel& kernel, int step) {
+    SmoothPart result;
+    result.p = kernel.apply(part.p, 0, step);
+    result.v = kernel.apply(part.p, 1, step);
+    result.a = kernel.apply(part.p, 2, step);
+    result.theta = kernel.apply(part.theta, 0, step);
+    const Eigen::MatrixXd rate = kernel.apply(part.theta, 1, step), rate2 = kernel.apply(part.theta, 2, step);
+    const Eigen::Index count = result.p.cols();
+    result.w.resize(3, count);
+    result.alpha.resize(3, count);
+    result.R.resize(static_cast<std::size_t>(count));
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const Eigen::Vector3d theta = result.theta.col(k), u = rate.col(k), u2 = rate2.col(k);
+        const Eigen::Matrix3d B = leftJacobian(theta);
+        result.R[static_cast<std::size_t>(k)] = rotationFromVector(theta);
+        result.w.col(k) = B * u;
+        // d/dt B(θ) to second order in θ: B = 1 + [θ]×/2 + [θ]×²/6.
+        const Eigen::Matrix3d T = crossMatrix(theta), U = crossMatrix(u);
+        result.alpha.col(k) = B * u2 + (0.5 * U + (T * U + U * T) / 6.0) * u;
+    }
+    return result;
+}
+
+double knownNoise(double measured) {
+    return std::isfinite(measured) && measured > kSmallestNoise ? measured : kSmallestNoise;
+}
+
+}  // namespace
+
+void calcRelative(const MountModel& model, const SmoothPart& mobile, const SmoothPart& fixed, Eigen::MatrixXd& q,
+                  Eigen::MatrixXd& v) {
+    const auto count = mobile.p.cols();
+    const auto connections = static_cast<Eigen::Index>(model.connections.size());
+    q.resize(3 * connections, count);
+    v.resize(3 * connections, count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const auto s = static_cast<std::size_t>(k);
+        const BodyMotion body{mobile.R[s], mobile.p.col(k), mobile.w.col(k), mobile.v.col(k)};
+        const FrameMotion frame{fixed.R[s], fixed.p.col(k), fixed.w.col(k), fixed.v.col(k)};
+        for (Eigen::Index i = 0; i < connections; ++i) {
+            const auto motion =
+                calcRelativeMotion(body, frame, model.connections[static_cast<std::size_t>(i)].position);
+            q.block<3, 1>(3 * i, k) = motion.q;
+            v.block<3, 1>(3 * i, k) = motion.v;
+        }
+    }
+}
+
+OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const Eigen::VectorXd& swept_frequency) {
+    OpenLoopRun result;
+    result.file = run.file;
+    result.raw_interval = run.interval;
+    const double nyquist = 0.5 / run.interval;
+    const double stop = std::min(kStop, 0.95 * nyquist);
+    result.pass = std::min(kPass, 0.58 * stop);
+    const SmoothingKernel kernel(run.interval, result.pass, stop);
+    const int step = std::max(1, static_cast<int>(std::floor(1.0 / run.interval / kLeastRate + 1e-9)));
+    result.interval = run.interval * step;
+    result.mobile = smooth(run.mobile, kernel, step);
+    result.fixed = smooth(run.fixed, kernel, step);
+    calcRelative(model, result.mobile, result.fixed, result.q, result.v);
+    if (run.load.cols() > 0) result.load = kernel.apply(run.load, 0, step);
+    if (run.base.cols() > 0) result.base = kernel.apply(run.base, 0, step);
+    const auto count = result.mobile.p.cols();
+    result.time = Eigen::VectorXd::LinSpaced(count, 0.0, static_cast<double>(count - 1) * result.interval);
+    if (swept_frequency.size() == run.mobile.p.cols()) {
+        result.swept.resize(count);
+        for (Eigen::Index k = 0; k < count; ++k) result.swept[k] = swept_frequency[k * step];
+    }
+    result.lowest = run.trusted_from;
+    result.fixed_measured = run.fixed.displacement_measured || run.fixed.acceleration_measured;
+    result.mobile_noise = knownNoise(run.mobile.displacement_noise);
+    result.fixed_noise = result.fixed_measured ? knownNoise(run.fixed.displacement_noise) : 0.0;
+    const auto accelerationNoise = [](const PartMotion& part) {
+        return part.acceleration_measured && std::isfinite(part.acceleration_noise) && part.acceleration_noise > 0
+                   ? part.acceleration_noise
+                   : std::numeric_limits<double>::infinity();
+    };
+    result.mobile_acceleration_noise = accelerationNoise(run.mobile);
+    result.fixed_acceleration_noise = accelerationNoise(run.fixed);
+
+    result.taper.resize(count);
+    const double edge = (kernel.halfWidth() + 1) * run.interval;
+    const double length = static_cast<double>(count - 1) * result.interval;
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const double inside = std::min(result.time[k], length - result.time[k]) - edge;
+        const double u = std::clamp(inside / kTaper, 0.0, 1.0);
+        result.taper[k] = 0.5 - 0.5 * std::cos(kPi * u);
+    }
+    return result;
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,92 @@
+#include "identify/diagnose/screening.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+namespace wems::identify {
+namespace {
+
+/// A trial value is not trusted further than this along its way where the effect is not linear.
+constexpr double kFarthest = 1.5;
+
+Screened screenStart(const OpenLoopProblem& problem, const MountModel& model, const WhiteVector& residual,
+                     const Candidate& candidate, const std::vector<double>& start) {
+    Screened result;
+    result.values = start;
+    std::vector<double> present;
+    for (const auto& knob : candidate.knobs) present.push_back(knob.get(model));
+    if (candidate.knobs.empty()) {
+        MountModel changed = model;
+        candidate.apply(changed, {});
+        const auto d = problem.calcDifference(model, changed);
+        result.gain = -2 * problem.product(residual, d) - problem.product(d, d);
+        return result;
+    }
+    const auto count = static_cast<Eigen::Index>(candidate.linear);
+    std::vector<double> values = start;
+    for (std::size_t i = 0; i < candidate.linear; ++i) values[i] = present[i];
+    std::vector<WhiteVector> columns;
+    Eigen::MatrixXd normal(count, count);
+    Eigen::VectorXd right(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+        auto moved = values;
+        moved[static_cast<std::size_t>(i)] = start[static_cast<std::size_t>(i)];
+        MountModel changed = model;
+        candidate.apply(changed, moved);
+        columns.push_back(problem.calcDifference(model, changed));
+        right[i] = -problem.product(columns.back(), residual);
+        for (Eigen::Index j = 0; j <= i; ++j)
+            normal(i, j) = normal(j, i) = problem.product(columns.back(), columns[static_cast<std::size_t>(j)]);
+    }
+    if (!(normal.diagonal().minCoeff() > 0)) {
+        // A knob without effect: nothing can be said about it; the others may still count.
+        normal.diagonal().array() += 1e-9 * normal.diagonal().maxCoeff() + 1e-30;
+    }
+    Eigen::VectorXd way = normal.ldlt().solve(right);
+    const bool nonlinear = candidate.starts.size() > 1 && candidate.linear == candidate.knobs.size();
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const auto s = static_cast<std::size_t>(i);
+        const auto& knob = candidate.knobs[s];
+        if (nonlinear && i == 0) way[i] = std::clamp(way[i], 0.0, kFarthest);
+        const double wanted = present[s] + way[i] * (start[s] - present[s]);
+        result.values[s] = std::clamp(wanted, knob.lowest(model), knob.highest(model));
+        way[i] = (result.values[s] - present[s]) / (start[s] - present[s]);
+    }
+    result.gain = 2 * way.dot(right) - way.dot(normal * way);
+    return result;
+}
+
+}  // namespace
+
+std::vector<Screened> screenCandidates(const OpenLoopProblem& problem, const MountModel& model,
+                                       const WhiteVector& residual, const std::vector<Candidate>& candidates,
+                                       double price) {
+    std::vector<Screened> results(candidates.size());
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+        for (std::size_t i = next++; i < candidates.size(); i = next++) {
+            results[i].candidate = i;
+            results[i].gain = -1;
+            for (const auto& start : candidates[i].starts) {
+                auto screened = screenStart(problem, model, residual, candidates[i], start);
+                if (!std::isfinite(screened.gain) || screened.gain <= results[i].gain) continue;
+                screened.candidate = i;
+                results[i] = screened;
+            }
+        }
+    };
+    std::thread helper(work);
+    work();
+    helper.join();
+    const auto worth = [&](const Screened& s) {
+        return s.gain - price * static_cast<double>(candidates[s.candidate].knobs.size());
+    };
+    std::sort(results.begin(), results.end(),
+              [&](const Screened& a, const Screened& b) { return worth(a) > worth(b); });
+    return results;
+}
+
+}  // namespace wems::identify

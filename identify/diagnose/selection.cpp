@@ -1,0 +1,281 @@
+#include "identify/diagnose/selection.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "identify/diagnose/screening.hpp"
+
+namespace wems::identify {
+namespace {
+
+/// Fits within this share of the smaller excess over a perfect model cannot be told apart.
+constexpr double kTieFraction = 0.02;
+/// … nor within this much of the misfit per value.
+constexpr double kTieMisfit = 0.01;
+
+bool overlaps(const Candidate& a, const std::vector<Candidate>& others) {
+    const auto names = a.parameterNames();
+    for (const auto& other : others)
+        for (const auto& name : other.parameterNames())
+            if (std::find(names.begin(), names.end(), name) != names.end()) return true;
+    return false;
+}
+
+std::size_t countCauses(const std::vector<Candidate>& candidates) {
+    std::set<std::string> names;
+    for (const auto& candidate : candidates) names.insert(candidate.cause);
+    return names.size();
+}
+
+class Selector {
+public:
+    Selector(OpenLoopProblem& identification, OpenLoopProblem& validation, const MountModel& model,
+             const SelectionOptions& options)
+        : identification_(identification), validation_(validation), base_(model), options_(options) {
+        with_bracket_ = false;
+        for (std::size_t r = 0; r < identification.runs().size(); ++r)
+            with_bracket_ = with_bracket_ || identification.hasBracket(r);
+    }
+
+    Selection run() {
+        result_.fit = fitParameters(identification_, base_, {});
+        result_.identification_before = perValue(identification_, result_.fit.misfit);
+        result_.validation_before = validate(base_);
+        forward();
+        if (result_.accepted.size() > 1) exchange();
+        removeIdle();
+        split();
+        judge();
+        result_.identification_after = perValue(identification_, result_.fit.misfit);
+        result_.validation_after = validate(result_.fit.model);
+        return std::move(result_);
+    }
+
+private:
+    static double perValue(const OpenLoopProblem& problem, double misfit) {
+        return misfit / static_cast<double>(problem.size());
+    }
+    double validate(const MountModel& model) const {
+        const auto residual = validation_.calcResidual(model);
+        return perValue(validation_, validation_.product(residual, residual));
+    }
+    void tell(const std::string& text) const {
+        if (options_.progress) options_.progress(text);
+    }
+    double price(double misfit_per_value) const {
+        return 0.5 * std::log(static_cast<double>(identification_.size())) * std::max(1.0, misfit_per_value);
+    }
+    double score(const Trial& trial) const {
+        const double best = std::max(1.0, trial.identification);
+        return trial.identification * static_cast<double>(identification_.size()) +
+               2 * price(best) * static_cast<double>(trial.candidate.knobs.size());
+    }
+
+    /// Screens the catalogue of `model` and fits the best jointly with `accepted`.
+    std::vector<Trial> tryCandidates(const ParameterFit& present, const std::vector<Candidate>& accepted, int count) {
+        const auto catalogue = makeCatalogue(present.model, with_bracket_);
+        const double now = perValue(identification_, present.misfit);
+        const auto screened = screenCandidates(identification_, present.model, present.residual, catalogue, price(now));
+        std::vector<Trial> trials;
+        const double least = 0.25 * options_.least_gain * static_cast<double>(identification_.size());
+        for (const auto& entry : screened) {
+            if (static_cast<int>(trials.size()) >= count || entry.gain < least) break;
+            const auto& candidate = catalogue[entry.candidate];
+            if (overlaps(candidate, accepted)) continue;
+            MountModel start = present.model;
+            candidate.apply(start, entry.values);
+            auto all = accepted;
+            all.push_back(candidate);
+            const auto fit = fitParameters(identification_, start, collectKnobs(all), 6);
+            Trial trial;
+            trial.candidate = candidate;
+            for (const auto& knob : candidate.knobs) trial.values.push_back(knob.get(fit.model));
+            trial.identification = perValue(identification_, fit.misfit);
+            trial.validation = validate(fit.model);
+            trials.push_back(trial);
+            fits_.push_back(fit);
+        }
+        std::vector<std::size_t> order(trials.size());
+        for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+        std::sort(order.begin(), order.end(),
+                  [&](std::size_t a, std::size_t b) { return score(trials[a]) < score(trials[b]); });
+        std::vector<Trial> sorted;
+        std::vector<ParameterFit> fits;
+        const auto first = fits_.size() - trials.size();
+        for (const auto i : order) {
+            sorted.push_back(trials[i]);
+            fits.push_back(std::move(fits_[first + i]));
+        }
+        fits_ = std::move(fits);
+        return sorted;
+    }
+
+    void setReference(const MountModel& model) {
+        identification_.setReference(model);
+        validation_.setReference(model);
+    }
+
+    void forward() {
+        for (int number = 0; number < options_.max_rounds; ++number) {
+            Round round;
+            round.identification_before = perValue(identification_, result_.fit.misfit);
+            round.validation_before = validate(result_.fit.model);
+            tell("round " + std::to_string(number + 1) + ": screening");
+            fits_.clear();
+            round.trials = tryCandidates(result_.fit, result_.accepted, options_.trials);
+            const double excess = std::max(0.0, round.validation_before - 1);
+            const double needed = std::max(options_.least_gain, options_.least_fraction * excess);
+            for (std::size_t i = 0; i < round.trials.size() && round.taken < 0; ++i) {
+                const auto& trial = round.trials[i];
+                auto all = result_.accepted;
+                all.push_back(trial.candidate);
+                if (countCauses(all) > static_cast<std::size_t>(options_.max_causes)) continue;
+                const double gain_identification = round.identification_before - trial.identification;
+                const double gain_validation = round.validation_before - trial.validation;
+                if (i > 0 && !isTie(trial.identification, round.trials.front().identification)) break;
+                if (gain_identification < options_.least_gain || gain_validation < needed) continue;
+                round.taken = static_cast<int>(i);
+                result_.accepted = all;
+                result_.fit = fits_[i];
+            }
+            round.reason = round.taken >= 0       ? "taken"
+                           : round.trials.empty() ? "no candidate promises a gain"
+                                                  : "no candidate gains enough on the validation runs";
+            const bool go_on = round.taken >= 0;
+            result_.rounds.push_back(round);
+            if (!go_on) break;
+            tell("taken: " + result_.accepted.back().describe());
+            setReference(result_.fit.model);
+        }
+        fits_.clear();
+    }
+
+    static bool isTie(double a, double b) {
+        return std::abs(a - b) < std::max(kTieMisfit, kTieFraction * std::max(0.0, std::min(a, b) - 1));
+    }
+
+    ParameterFit refit(const std::vector<Candidate>& accepted) {
+        MountModel start = base_;
+        for (const auto& candidate : accepted) {
+            std::vector<double> values;
+            for (const auto& knob : candidate.knobs) values.push_back(knob.get(result_.fit.model));
+            candidate.apply(start, values);
+        }
+        return fitParameters(identification_, start, collectKnobs(accepted));
+    }
+
+    /// A wrong first choice may have been taken before the others were known: each is tried against all others.
+    void exchange() {
+        for (std::size_t i = 0; i < result_.accepted.size(); ++i) {
+            auto others = result_.accepted;
+            others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+            const auto present = refit(others);
+            tell("exchange of " + result_.accepted[i].describe());
+            setReference(present.model);
+            fits_.clear();
+            const auto trials = tryCandidates(present, others, 4);
+            setReference(result_.fit.model);
+            if (trials.empty()) continue;
+            const double now = perValue(identification_, result_.fit.misfit);
+            if (trials.front().identification < now - options_.least_gain &&
+                !isTie(trials.front().identification, now) && trials.front().validation < validate(result_.fit.model)) {
+                others.push_back(trials.front().candidate);
+                result_.accepted = others;
+                result_.fit = fits_.front();
+                setReference(result_.fit.model);
+            }
+        }
+        fits_.clear();
+    }
+
+    /// What the others make superfluous goes.
+    void removeIdle() {
+        for (std::size_t i = result_.accepted.size(); i-- > 0 && result_.accepted.size() > 1;) {
+            auto others = result_.accepted;
+            others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+            const auto fit = refit(others);
+            const double excess = std::max(0.0, validate(result_.fit.model) - 1);
+            if (perValue(identification_, fit.misfit) - perValue(identification_, result_.fit.misfit) <
+                    options_.least_gain ||
+                validate(fit.model) - validate(result_.fit.model) <
+                    std::max(options_.least_gain, options_.least_fraction * excess)) {
+                result_.accepted = others;
+                result_.fit = fit;
+                setReference(fit.model);
+            }
+        }
+    }
+
+    /// Values that were taken to be common to several places are set free where that pays.
+    void split() {
+        for (std::size_t i = 0; i < result_.accepted.size(); ++i) {
+            auto all = result_.accepted;
+            auto& candidate = all[i];
+            std::vector<Knob> single;
+            for (const auto& knob : candidate.knobs)
+                for (const auto& name : knob.names) single.push_back(makeKnob(name));
+            if (single.size() == candidate.knobs.size()) continue;
+            const double extra = static_cast<double>(single.size() - candidate.knobs.size());
+            candidate.knobs = single;
+            candidate.linear = single.size();
+            const auto fit = fitParameters(identification_, result_.fit.model, collectKnobs(all));
+            const double gain = result_.fit.misfit - fit.misfit;
+            const double now = perValue(identification_, fit.misfit);
+            if (gain > 4 * price(now) * extra &&
+                gain > options_.least_gain * static_cast<double>(identification_.size()) &&
+                validate(fit.model) < validate(result_.fit.model)) {
+                result_.accepted = all;
+                result_.fit = fit;
+                setReference(fit.model);
+            }
+        }
+    }
+
+    /// Rivals and the price of leaving each out.
+    void judge() {
+        const double now = perValue(identification_, result_.fit.misfit);
+        for (std::size_t i = 0; i < result_.accepted.size(); ++i) {
+            auto others = result_.accepted;
+            others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+            const auto present = refit(others);
+            result_.without.push_back(validate(present.model));
+            result_.models_without.push_back(present.model);
+            tell("rivals of " + result_.accepted[i].describe());
+            setReference(present.model);
+            fits_.clear();
+            const auto trials = tryCandidates(present, others, 8);
+            setReference(result_.fit.model);
+            std::vector<Trial> rivals;
+            for (const auto& trial : trials) {
+                const bool same = trial.candidate.cause == result_.accepted[i].cause &&
+                                  trial.candidate.where == result_.accepted[i].where;
+                if (!same && isTie(trial.identification, now)) rivals.push_back(trial);
+            }
+            result_.rivals.push_back(rivals);
+        }
+        fits_.clear();
+    }
+
+    OpenLoopProblem &identification_, &validation_;
+    MountModel base_;
+    SelectionOptions options_;
+    bool with_bracket_ = false;
+    Selection result_;
+    std::vector<ParameterFit> fits_;
+};
+
+}  // namespace
+
+std::vector<Knob> collectKnobs(const std::vector<Candidate>& candidates) {
+    std::vector<Knob> knobs;
+    for (const auto& candidate : candidates) knobs.insert(knobs.end(), candidate.knobs.begin(), candidate.knobs.end());
+    return knobs;
+}
+
+Selection selectCauses(OpenLoopProblem& identification, OpenLoopProblem& validation, const MountModel& model,
+                       const SelectionOptions& options) {
+    return Selector(identification, validation, model, options).run();
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,58 @@
+/// @file
+/// Which causes, together, explain the open-loop residual: forward selection with joint refits, exchange and removal.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "identify/diagnose/catalogue.hpp"
+#include "identify/diagnose/open_loop_problem.hpp"
+#include "identify/diagnose/parameter_fit.hpp"
+
+namespace wems::identify {
+
+/// A candidate fitted jointly with all that had been accepted. Misfits are per value: 1 for a perfect model.
+struct Trial {
+    Candidate candidate;
+    std::vector<double> values;  ///< of its knobs
+    double identification = 0;
+    double validation = 0;
+};
+
+/// One round: the misfits before, the best candidates in order, which was taken (index, -1 for none) and why.
+struct Round {
+    double identification_before = 0, validation_before = 0;
+    std::vector<Trial> trials;
+    int taken = -1;
+    std::string reason;
+};
+
+struct Selection {
+    std::vector<Candidate> accepted;
+    std::vector<std::vector<Trial>> rivals;  ///< for each accepted, those that fit as well in its place
+    std::vector<double> without;             ///< validation misfit without it, the others refitted
+    std::vector<MountModel> models_without;  ///< the models of these misfits
+    ParameterFit fit;                        ///< all accepted together, on the identification runs
+    double identification_before = 0, validation_before = 0;
+    double identification_after = 0, validation_after = 0;
+    std::vector<Round> rounds;
+};
+
+struct SelectionOptions {
+    int max_rounds = 6;
+    int max_causes = 4;
+    int trials = 10;               ///< candidates fitted in each round
+    double least_gain = 0.04;      ///< of the misfit per value, on both groups
+    double least_fraction = 0.03;  ///< of what the validation misfit exceeds 1 by
+    std::function<void(const std::string&)> progress;
+};
+
+/// @param validation the runs that judge; may be the identification runs themselves if there are no others
+Selection selectCauses(OpenLoopProblem& identification, OpenLoopProblem& validation, const MountModel& model,
+                       const SelectionOptions& options);
+
+/// All knobs of some candidates in a row.
+std::vector<Knob> collectKnobs(const std::vector<Candidate>& candidates);
+
+}  // namespace wems::identify

@@ -1,0 +1,177 @@
+#include "identify/diagnose/whitening.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "identify/diagnose/bracket_equation.hpp"
+#include "identify/diagnose/mount_equation.hpp"
+#include "models/bryant.hpp"
+
+namespace wems::identify {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Matrix6c = Eigen::Matrix<std::complex<double>, 6, 6>;
+
+constexpr double kTwoPi = 6.283185307179586;
+constexpr double kLowest = 2.5;         // Hz: below it there is drift and little else
+constexpr double kHighest = 110.0;      // Hz: twice a sweep that ends at 50 Hz
+constexpr double kProportional = 5e-4;  // of the forces and of the motion
+constexpr double kSmoothing = 1.0;      // Hz, width of the spectra's smoothing
+
+Matrix6 calcRigidCovariance(const MountModel& model) {
+    Matrix6 information = Matrix6::Zero();
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        for (int a = 0; a < 3; ++a) {
+            const auto d = calcAxisDirection(model, static_cast<int>(i), a);
+            information += d * d.transpose();
+        }
+    return information.inverse();
+}
+
+/// Power of each row at each bin, smoothed by a moving average of 2 half + 1 bins.
+Eigen::MatrixXd smoothPower(const Eigen::MatrixXcd& spectra, Eigen::Index half) {
+    const Eigen::MatrixXd power = spectra.cwiseAbs2();
+    Eigen::MatrixXd result(power.rows(), power.cols());
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(power.rows());
+    Eigen::Index first = 0, last = -1;
+    for (Eigen::Index k = 0; k < power.cols(); ++k) {
+        while (last < std::min(power.cols() - 1, k + half)) sum += power.col(++last);
+        while (first < k - half) sum -= power.col(first++);
+        result.col(k) = (sum / static_cast<double>(last - first + 1)).cwiseMax(0.0);
+    }
+    return result;
+}
+
+double effectiveVariance(double displacement, double acceleration, double w) {
+    const double ratio = w * w * displacement / acceleration;  // zero without accelerations
+    return displacement * displacement / (1 + ratio * ratio);
+}
+
+Matrix6c invertFactor(const Matrix6c& covariance) {
+    Matrix6c regular = covariance;
+    for (int i = 0; i < 6; ++i) regular(i, i) *= 1 + 1e-9;
+    const Matrix6c lower = regular.llt().matrixL();
+    return lower.triangularView<Eigen::Lower>().solve(Matrix6c::Identity());
+}
+
+}  // namespace
+
+Eigen::Matrix<double, 6, 1> calcAxisDirection(const MountModel& model, int connection, int axis) {
+    Eigen::Matrix<double, 6, 1> d;
+    const Eigen::Vector3d e = Eigen::Vector3d::Unit(axis);
+    d << e, model.connections[static_cast<std::size_t>(connection)].position.cross(e);
+    return d;
+}
+
+Matrix6 calcMassMatrix(const MobileBody& body) {
+    const Eigen::Matrix3d C = crossMatrix(body.center_of_gravity);
+    Matrix6 M;
+    M << body.mass * Eigen::Matrix3d::Identity(), -body.mass * C, body.mass * C, body.inertia - body.mass * C * C;
+    return M;
+}
+
+Matrix6 calcStiffnessMatrix(const MountModel& model) {
+    Matrix6 K = Matrix6::Zero();
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        for (int a = 0; a < 3; ++a) {
+            const auto d = calcAxisDirection(model, static_cast<int>(i), a);
+            K += model.connections[i].axis[static_cast<std::size_t>(a)].stiffness * d * d.transpose();
+        }
+    return K;
+}
+
+Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_bracket)
+    : run_(&run), with_bracket_(with_bracket), fourier_(run.sampleCount()) {
+    const double spacing = 1 / (fourier_.size() * run.interval);
+    first_ = static_cast<Eigen::Index>(std::ceil(std::max(kLowest, run.lowest) / spacing));
+    bins_ = std::max<Eigen::Index>(
+        1, static_cast<Eigen::Index>(std::floor(std::min(kHighest, 0.9 * run.pass) / spacing)) - first_ + 1);
+    const auto half = static_cast<Eigen::Index>(0.5 * kSmoothing / spacing);
+    const double gain = run.raw_interval / run.interval * run.taper.squaredNorm();
+    const Matrix6 M = calcMassMatrix(model.body), K = calcStiffnessMatrix(model), C = calcRigidCovariance(model);
+
+    // Each axis' force: its spectrum for the proportional part, its time in contact for the stops' noise.
+    std::vector<Eigen::MatrixXd> force_power;
+    std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> directions;
+    Matrix6 contact = Matrix6::Zero();
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        for (int a = 0; a < 3; ++a) {
+            const auto c = static_cast<int>(i);
+            const AxisLaw& law = model.connections[i].axis[static_cast<std::size_t>(a)];
+            const auto d = calcAxisDirection(model, c, a);
+            force_power.push_back(smoothPower(transform(calcAxisForce(run, law, c, a).transpose()), half));
+            directions.push_back(d * d.transpose());
+            const AxisForce force(law);
+            double square = 0;
+            for (int k = 0; k < run.sampleCount(); ++k) {
+                const double stop = force.calcStaticStiffness(run.q(3 * c + a, k)) - law.stiffness;
+                square += stop * stop / run.sampleCount();
+            }
+            contact += square * (d.transpose() * C * d)(0) * directions.back();
+        }
+    const Eigen::MatrixXd demand_power = smoothPower(transform(calcDemand(run, model.body, model.gravity)), half);
+    Eigen::MatrixXd fixed(6, run.sampleCount());
+    fixed << run.fixed.p, run.fixed.theta;
+    const Eigen::MatrixXd fixed_power = smoothPower(transform(fixed), half);
+
+    const double proportional = kProportional * kProportional;
+    for (Eigen::Index b = 0; b < bins_; ++b) {
+        const double w = kTwoPi * frequency(b);
+        const double mobile = gain * effectiveVariance(run.mobile_noise, run.mobile_acceleration_noise, w);
+        const double still = gain * effectiveVariance(run.fixed_noise, run.fixed_acceleration_noise, w);
+        const Matrix6 G = K - w * w * M;
+        Matrix6 S = mobile * G * C * G.transpose() + still * K * C * K.transpose() + (mobile + still) * contact;
+        for (std::size_t i = 0; i < directions.size(); ++i) S += proportional * force_power[i](0, b) * directions[i];
+        S.diagonal() += proportional * demand_power.col(b);
+        factors_[0].push_back(invertFactor(S.cast<std::complex<double>>()));
+        if (!with_bracket_) continue;
+        Matrix6c T = Matrix6c::Zero();
+        for (const auto& mode : model.bracket) {
+            Eigen::Matrix<double, 6, 1> shape;
+            shape << mode.translation, mode.rotation;
+            T += calcModalResponse(mode, w) * (shape * shape.transpose()).cast<std::complex<double>>();
+        }
+        T *= (w * w * M).cast<std::complex<double>>();
+        Matrix6c B = mobile * T * C.cast<std::complex<double>>() * T.adjoint();
+        B += (still * C).cast<std::complex<double>>();
+        for (int i = 0; i < 6; ++i) B(i, i) += proportional * fixed_power(i, b);
+        factors_[1].push_back(invertFactor(B));
+    }
+}
+
+double Whitening::frequency(Eigen::Index bin) const {
+    return static_cast<double>(first_ + bin) / (fourier_.size() * run_->interval);
+}
+
+Eigen::MatrixXcd Whitening::transform(const Eigen::Ref<const Eigen::MatrixXd>& series) const {
+    return fourier_.forward(series * run_->taper.asDiagonal()).middleCols(first_, bins_);
+}
+
+void Whitening::applyPart(int part, const Eigen::Ref<const Eigen::MatrixXd>& series,
+                          Eigen::Ref<Eigen::VectorXf> out) const {
+    const Eigen::MatrixXcd spectra = transform(series);
+    const double root2 = std::sqrt(2.0);  // real and imaginary parts share the variance
+    for (Eigen::Index b = 0; b < bins_; ++b) {
+        const Eigen::Matrix<std::complex<double>, 6, 1> white =
+            root2 * (factors_[part][static_cast<std::size_t>(b)] * spectra.col(b));
+        for (int i = 0; i < 6; ++i) {
+            out[12 * b + i] = static_cast<float>(white[i].real());
+            out[12 * b + 6 + i] = static_cast<float>(white[i].imag());
+        }
+    }
+}
+
+Eigen::VectorXf Whitening::apply(const Eigen::Ref<const Eigen::MatrixXd>& mount,
+                                 const Eigen::Ref<const Eigen::MatrixXd>& bracket) const {
+    Eigen::VectorXf result = Eigen::VectorXf::Zero(size());
+    if (mount.size() > 0) applyPart(0, mount, result.head(mountSize()));
+    if (with_bracket_ && bracket.size() > 0) applyPart(1, bracket, result.tail(mountSize()));
+    return result;
+}
+
+}  // namespace wems::identify

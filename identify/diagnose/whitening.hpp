@@ -1,0 +1,63 @@
+/// @file
+/// Residuals of the open-loop equations in units of their own noise: what a perfect model leaves is then known.
+///
+/// A residual (6 x samples) is tapered, transformed, and each frequency's six values are multiplied by the inverse
+/// Cholesky factor of their covariance, so that noise alone gives independent values of unit variance. With M, K the
+/// mass and stiffness matrices of the mount (about M's origin), C_m, C_f the covariances of the rigid motions that the
+/// channels' noise gives, T(ω) = Φ H(ω) Φᵀ ω² M:
+///
+///     mount:    S = (K − ω² M) C_m (K − ω² M)ᵀ + K C_f Kᵀ + noise of the stops in contact + proportional part
+///     bracket:  S = C_f + T C_m Tᴴ + proportional part
+///
+/// The proportional part stands for what is neither noise nor fault (calibration, discretisation): a small fraction of
+/// the spectrum of the forces, and of the motion, themselves.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "identify/diagnose/fourier.hpp"
+#include "identify/diagnose/open_loop_run.hpp"
+#include "models/mount_model.hpp"
+
+namespace wems::identify {
+
+/// Mass matrix of the mobile part about M's origin (translation above rotation), and the linear elastic stiffness.
+Eigen::Matrix<double, 6, 6> calcMassMatrix(const MobileBody& body);
+Eigen::Matrix<double, 6, 6> calcStiffnessMatrix(const MountModel& model);
+/// (displacement of an axis) = directionᵀ (translation, rotation): (e_a ; r_i × e_a).
+Eigen::Matrix<double, 6, 1> calcAxisDirection(const MountModel& model, int connection, int axis);
+
+class Whitening {
+public:
+    /// @param with_bracket whether the bracket's equation is part of it
+    Whitening(const OpenLoopRun& run, const MountModel& model, bool with_bracket);
+
+    /// Values of apply(): 12 for each frequency and equation.
+    Eigen::Index size() const { return bins_ * 12 * (with_bracket_ ? 2 : 1); }
+    Eigen::Index mountSize() const { return bins_ * 12; }
+    Eigen::Index binCount() const { return bins_; }
+    double frequency(Eigen::Index bin) const;  ///< Hz
+
+    /// Whitened values: mount first, then bracket; an empty matrix counts as zero.
+    Eigen::VectorXf apply(const Eigen::Ref<const Eigen::MatrixXd>& mount,
+                          const Eigen::Ref<const Eigen::MatrixXd>& bracket) const;
+
+    /// Factors of the mount's part (inverse Cholesky factor at a bin).
+    const Eigen::Matrix<std::complex<double>, 6, 6>& mountFactor(Eigen::Index bin) const {
+        return factors_[0][static_cast<std::size_t>(bin)];
+    }
+
+private:
+    using Matrix6c = Eigen::Matrix<std::complex<double>, 6, 6>;
+    void applyPart(int part, const Eigen::Ref<const Eigen::MatrixXd>& series, Eigen::Ref<Eigen::VectorXf> out) const;
+    Eigen::MatrixXcd transform(const Eigen::Ref<const Eigen::MatrixXd>& series) const;
+
+    const OpenLoopRun* run_;
+    bool with_bracket_;
+    Fourier fourier_;
+    Eigen::Index first_ = 0, bins_ = 0;
+    std::vector<Matrix6c, Eigen::aligned_allocator<Matrix6c>> factors_[2];
+};
+
+}  // namespace wems::identify

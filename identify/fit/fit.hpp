@@ -1,0 +1,57 @@
+/// @file
+/// Stiffness, clearance, stop stiffness and damping of each connection and axis from measured runs, with intervals, and
+/// what these runs cannot tell.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "identify/motion/motion.hpp"
+#include "models/mount_model.hpp"
+
+namespace wems::identify {
+
+struct FitOptions {
+    std::vector<std::string> free_body;  ///< `body.center_of_gravity`, `body.inertia`, or components of them
+    double knot_time = 0;                ///< s, width h of the test function; 0: chosen from the channels and the rate
+    /// Relative error of a regressor that sensors' gains and positions may have: what is told apart only by less is
+    /// not told apart.
+    double geometry_error = 2e-3;
+};
+
+struct FittedParameter {
+    std::string name, unit;
+    double model_value = 0;
+    double value = 0;
+    double standard_error = 0;
+    std::array<double, 2> interval95{};
+};
+
+/// Parameters that are not known one by one. Each of their known combinations is an entry of its own; without one
+/// `combination` is empty.
+struct UnidentifiedGroup {
+    std::vector<std::string> names;
+    std::string combination;  ///< `1.x.stiffness + 2.x.stiffness`
+    double value = 0;         ///< of the combination
+    std::array<double, 2> interval95{};
+    std::string unit;
+    std::string reason;  ///< `not reached: clearance > 0.00152 m`; may be empty
+    std::string separate_by;
+};
+
+struct FitResult {
+    MountModel model;  ///< with the identified values; open combinations shared in proportion to the model's values
+    std::vector<FittedParameter> parameters;
+    std::vector<UnidentifiedGroup> not_identifiable;
+    double residual_fraction = 0;  ///< RMS of the unexplained wrench over that of the demanded one
+    std::vector<std::string> notes;
+    std::vector<std::pair<std::string, double>> timing;  ///< step, s
+};
+
+/// @throws InputError if there is no run, a run is shorter than the test function, or a name in `free_body` is wrong.
+FitResult fitMount(const std::vector<RunMotion>& runs, const MountModel& model, const FitOptions& options = {});
+
+}  // namespace wems::identify

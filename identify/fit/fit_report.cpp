@@ -1,0 +1,186 @@
+#include "identify/fit/fit_report.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace wems::identify {
+namespace {
+
+std::string format(double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.4g", value);
+    return text.data();
+}
+
+std::array<double, 2> around(double value, double half_width) {
+    return {value - half_width, value + half_width};
+}
+
+/// Statistical covariance plus what an error of the regressors may do to directions that are barely separated. What is
+/// not known at all is still known to be within a few times its scale.
+Eigen::MatrixXd addGeometryError(const LinearSystem& system, const Eigen::MatrixXd& covariance, double error) {
+    constexpr double largest = 2;
+    Eigen::MatrixXd total = covariance;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> separation(system.inverse);
+    for (Eigen::Index d = 0; d < total.rows(); ++d) {
+        const Eigen::VectorXd direction = separation.eigenvectors().col(d);
+        const double wrench = error * direction.cwiseProduct(system.column_norm).norm();  // that the error stands for
+        total += wrench * wrench * std::max(0.0, separation.eigenvalues()(d)) * direction * direction.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(total);
+    const Eigen::VectorXd variances = eigen.eigenvalues().cwiseMin(largest * largest).cwiseMax(0.0);
+    return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+/// RMS of a wrench over a run, moments over the mount's mean arm.
+double calcWrenchSquares(const Eigen::VectorXd& wrench, double arm) {
+    const Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>> rows(wrench.data(), 6, wrench.size() / 6);
+    return rows.topRows<3>().squaredNorm() + rows.bottomRows<3>().squaredNorm() / (arm * arm);
+}
+
+double calcResidualFraction(const Solver& solver) {
+    double arm_squares = 0;
+    for (const auto& connection : solver.model().connections) arm_squares += connection.position.squaredNorm();
+    const double mean_square = arm_squares / static_cast<double>(solver.model().connections.size());
+    const double arm = mean_square > 0 ? std::sqrt(mean_square) : 1.0;
+    double residual = 0, demanded = 0;
+    const NormalEquations& equations = solver.equations();
+    for (std::size_t r = 0; r < solver.runCount(); ++r) {
+        const Matrix6d unwhiten = equations.whitening(r).inverse();
+        Eigen::VectorXd coefficients = equations.makeCoefficients(solver.model());
+        const auto raw = [&](Eigen::VectorXd whitened) {
+            Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic>> rows(whitened.data(), 6, whitened.size() / 6);
+            rows = (unwhiten * rows).eval();
+            return whitened;
+        };
+        residual += calcWrenchSquares(raw(equations.apply(r, coefficients)), arm);
+        coefficients.tail(coefficients.size() - equations.layout().stiffness(0)).setZero();
+        demanded += calcWrenchSquares(raw(equations.apply(r, coefficients)), arm);
+    }
+    return demanded > 0 ? std::sqrt(residual / demanded) : 0.0;
+}
+
+/// Moves the open parameters of `model`, each in proportion to its base value, until the known combinations hold.
+void shareCombinations(const Solver& solver, const LinearSystem& system, const OpenGroup& group, MountModel& model) {
+    const auto size = static_cast<Eigen::Index>(group.members.size());
+    Eigen::VectorXd base(size), fitted(size);
+    std::vector<std::string> names;
+    for (Eigen::Index j = 0; j < size; ++j) {
+        const int member = system.parameters[static_cast<std::size_t>(group.members[static_cast<std::size_t>(j)])];
+        names.push_back(solver.parameters()[static_cast<std::size_t>(member)].name);
+        base(j) = getParameter(solver.base(), names.back());
+        fitted(j) = getParameter(solver.model(), names.back());
+    }
+    Eigen::VectorXd shared = base;
+    if (!group.known.empty()) {
+        Eigen::MatrixXd factors(static_cast<Eigen::Index>(group.known.size()), size);
+        for (std::size_t c = 0; c < group.known.size(); ++c)
+            factors.row(static_cast<Eigen::Index>(c)) = group.known[c].factors.transpose();
+        Eigen::VectorXd weight = base.cwiseAbs();
+        if (!(weight.minCoeff() > 0)) weight = system.scale(group.members);
+        const Eigen::MatrixXd weighted = weight.asDiagonal() * factors.transpose();
+        shared += weighted * (factors * weighted).ldlt().solve(factors * (fitted - base));
+    }
+    for (Eigen::Index j = 0; j < size; ++j) setParameter(model, names[static_cast<std::size_t>(j)], shared(j));
+}
+
+void reportOpenGroups(const Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
+                      const Identifiability& identifiability, FitResult& result) {
+    const auto nameOf = [&](int member) -> const Parameter& {
+        return solver.parameters()[static_cast<std::size_t>(system.parameters[static_cast<std::size_t>(member)])];
+    };
+    bool shared = false;
+    for (const OpenGroup& group : identifiability.groups) {
+        shareCombinations(solver, system, group, result.model);
+        for (const KnownCombination& known : group.known) {
+            UnidentifiedGroup entry;
+            Eigen::VectorXd combination = Eigen::VectorXd::Zero(system.scale.size());
+            for (std::size_t j = 0; j < known.members.size(); ++j) {
+                const double factor = known.factors(static_cast<Eigen::Index>(j));
+                if (factor == 0) continue;
+                entry.names.push_back(nameOf(known.members[j]).name);
+                entry.value += factor * getParameter(solver.model(), entry.names.back());
+                combination(known.members[j]) = factor * system.scale(known.members[j]);
+            }
+            entry.combination = known.text;
+            entry.interval95 = around(entry.value, uncertainty.calcHalfWidth(combination));
+            entry.unit = nameOf(known.members.front()).unit;
+            entry.separate_by = group.separate_by;
+            result.not_identifiable.push_back(std::move(entry));
+            shared = true;
+        }
+        UnidentifiedGroup rest;  // members that no known combination holds
+        for (const int member : group.members) {
+            const bool combined =
+                std::any_of(group.known.begin(), group.known.end(), [&](const KnownCombination& known) {
+                    for (std::size_t j = 0; j < known.members.size(); ++j)
+                        if (known.members[j] == member && known.factors(static_cast<Eigen::Index>(j)) != 0) return true;
+                    return false;
+                });
+            if (!combined) rest.names.push_back(nameOf(member).name);
+        }
+        if (rest.names.empty()) continue;
+        rest.unit = nameOf(group.members.front()).unit;
+        rest.separate_by = group.separate_by;
+        result.not_identifiable.push_back(std::move(rest));
+    }
+    if (shared)
+        result.notes.emplace_back(
+            "the fitted model shares each known combination among its members in proportion to the values of the "
+            "model");
+}
+
+void reportUnreachedStops(Solver& solver, FitResult& result) {
+    for (const Parameter& parameter : solver.parameters()) {
+        if (parameter.kind != ParameterKind::clearance) continue;
+        const StopTerm term{parameter.connection, parameter.axis, parameter.stop};
+        const auto& reached = solver.equations().stops();
+        if (std::any_of(reached.begin(), reached.end(), [&](const StopTerm& s) {
+                return s.historyIndex() == term.historyIndex() && s.stop == term.stop;
+            }))
+            continue;
+        const double noticed = solver.findNoticedClearance(term);
+        const std::string stop = parameter.name.substr(0, parameter.name.rfind('.'));
+        UnidentifiedGroup entry;
+        entry.names = {parameter.name, stop + ".stiffness"};
+        entry.unit = "";
+        entry.reason = noticed > 0 ? "not reached: clearance > " + format(noticed) + " m" : "not reached";
+        entry.separate_by =
+            "a run in which " + stop + " is pushed beyond " + format(std::max(0.0, solver.calcReach(term))) + " m";
+        result.not_identifiable.push_back(std::move(entry));
+    }
+}
+
+}  // namespace
+
+void reportFit(Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
+               const FitOptions& options, FitResult& result) {
+    std::vector<Parameter> taking_part;
+    for (const int p : system.parameters) taking_part.push_back(solver.parameters()[static_cast<std::size_t>(p)]);
+    const Identifiability identifiability =
+        findIdentifiable(solver.model(), taking_part, system.scale,
+                         addGeometryError(system, uncertainty.makeCovariance(), options.geometry_error));
+    result.model = solver.base();
+    for (std::size_t j = 0; j < taking_part.size(); ++j) {
+        if (!identifiability.known[j]) continue;
+        const auto k = static_cast<Eigen::Index>(j);
+        const Eigen::VectorXd combination = system.scale(k) * Eigen::VectorXd::Unit(system.scale.size(), k);
+        FittedParameter fitted{taking_part[j].name, taking_part[j].unit, 0, 0, 0, {}};
+        fitted.model_value = getParameter(solver.base(), fitted.name);
+        fitted.value = getParameter(solver.model(), fitted.name);
+        fitted.standard_error = uncertainty.calcStandardError(combination);
+        fitted.interval95 = around(fitted.value, uncertainty.calcHalfWidth(combination));
+        setParameter(result.model, fitted.name, fitted.value);
+        result.parameters.push_back(std::move(fitted));
+    }
+    reportOpenGroups(solver, system, uncertainty, identifiability, result);
+    reportUnreachedStops(solver, result);
+    result.residual_fraction = calcResidualFraction(solver);
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,46 @@
+/// @file
+/// What data cannot tell: parameters whose value is not known, which combinations of them are, and which motion would
+/// separate them.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "identify/fit/parameter_set.hpp"
+
+namespace wems::identify {
+
+/// A linear combination of parameters that is known although its members are not.
+struct KnownCombination {
+    std::vector<int> members;  ///< indices of parameters
+    Eigen::VectorXd factors;   ///< of the members, in SI units
+    std::string text;          ///< `1.x.stiffness + 2.x.stiffness`
+};
+
+/// Parameters coupled by directions that the data leave open.
+struct OpenGroup {
+    std::vector<int> members;
+    std::vector<KnownCombination> known;
+    std::string separate_by;
+};
+
+struct Identifiability {
+    std::vector<bool> known;  ///< for each parameter
+    std::vector<OpenGroup> groups;
+};
+
+/// Largest relative standard error of a parameter that is reported as known: 10 %, of dashpots 20 %.
+double calcTolerance(const Parameter& parameter);
+
+/// @param parameters those of the regression
+/// @param scale      their scales, see calcScale()
+/// @param covariance of parameter / scale, model error included
+Identifiability findIdentifiable(const MountModel& model, const std::vector<Parameter>& parameters,
+                                 const Eigen::VectorXd& scale, const Eigen::MatrixXd& covariance);
+
+/// The relative motion in which errors of these stiffnesses (or dashpots) with that covariance would show most.
+std::string describeSeparatingMotion(const MountModel& model, const std::vector<Parameter>& parameters,
+                                     const Eigen::MatrixXd& covariance);
+
+}  // namespace wems::identify

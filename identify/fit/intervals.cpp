@@ -1,0 +1,102 @@
+#include "identify/fit/intervals.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "identify/fit/student.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr int kOrder = 12;  // of the autoregressive model: twice the overlap of neighbouring test functions
+constexpr int kBlocksPerRun = 100;
+
+struct Autoregression {
+    Eigen::VectorXd coefficients;  // r_n = Σ a_j r_{n−j} + e_n
+    double innovation = 0;         // standard deviation of e
+};
+
+/// Yule–Walker.
+Autoregression fitAutoregression(const Eigen::VectorXd& residual) {
+    const int order = std::min<int>(kOrder, static_cast<int>(residual.size()) / 10);
+    Eigen::VectorXd covariance(order + 1);
+    for (int lag = 0; lag <= order; ++lag)
+        covariance(lag) = residual.head(residual.size() - lag).dot(residual.tail(residual.size() - lag)) /
+                          static_cast<double>(residual.size());
+    Eigen::MatrixXd toeplitz(order, order);
+    for (int i = 0; i < order; ++i)
+        for (int j = 0; j < order; ++j) toeplitz(i, j) = covariance(std::abs(i - j));
+    toeplitz.diagonal().array() += 1e-9 * covariance(0) + 1e-300;
+    Autoregression model;
+    model.coefficients = toeplitz.llt().solve(covariance.tail(order));
+    model.innovation = std::sqrt(std::max(0.0, covariance(0) - model.coefficients.dot(covariance.tail(order))));
+    return model;
+}
+
+/// Rows of one equation, filtered backwards by 1/A and scaled by the innovation, in place: J → Γ^½ᵀ J.
+void colour(RowMatrix& sensitivity, int equation, const Autoregression& model) {
+    const Eigen::Index outputs = sensitivity.rows() / 6;
+    for (Eigen::Index n = outputs - 1; n >= 0; --n) {
+        auto row = sensitivity.row(6 * n + equation);
+        for (Eigen::Index lag = 1; lag <= model.coefficients.size() && n + lag < outputs; ++lag)
+            row.noalias() += model.coefficients(lag - 1) * sensitivity.row(6 * (n + lag) + equation);
+    }
+    for (Eigen::Index n = 0; n < outputs; ++n) sensitivity.row(6 * n + equation) *= model.innovation;
+}
+
+}  // namespace
+
+ParameterUncertainty::ParameterUncertainty(const Solver& solver, const LinearSystem& system) {
+    const auto count = static_cast<Eigen::Index>(system.parameters.size());
+    Eigen::MatrixXd middle = Solver::kPriorWeight * Eigen::MatrixXd::Identity(count, count);
+    std::vector<Eigen::VectorXd> scores;
+    const std::size_t runs = solver.runCount();
+    for (std::size_t r = 0; r < runs; ++r) {
+        RowMatrix sensitivity = solver.calcSensitivity(r, system);
+        const Eigen::VectorXd residual = solver.calcResidual(r);
+        const Eigen::Index outputs = residual.size() / 6;
+        const Eigen::Index length = std::max<Eigen::Index>(2 * kOrder, (outputs + kBlocksPerRun - 1) / kBlocksPerRun);
+        for (Eigen::Index start = 0; start < outputs; start += length) {
+            const Eigen::Index rows = 6 * std::min(length, outputs - start);
+            scores.emplace_back(sensitivity.middleRows(6 * start, rows).transpose() *
+                                residual.segment(6 * start, rows));
+        }
+        for (int e = 0; e < 6; ++e)
+            colour(sensitivity, e,
+                   fitAutoregression(
+                       Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<6>>(residual.data() + e, outputs)));
+        middle.selfadjointView<Eigen::Lower>().rankUpdate(sensitivity.transpose());
+    }
+    stationary_ = system.inverse * middle.selfadjointView<Eigen::Lower>() * system.inverse + system.open;
+    influences_.resize(count, static_cast<Eigen::Index>(scores.size()));
+    for (std::size_t b = 0; b < scores.size(); ++b)
+        influences_.col(static_cast<Eigen::Index>(b)) = system.inverse * scores[b];
+}
+
+double ParameterUncertainty::calcStandardError(const Eigen::VectorXd& combination) const {
+    const double stationary = combination.dot(stationary_ * combination);
+    const double blocks = (combination.transpose() * influences_).squaredNorm();
+    return std::sqrt(std::max({stationary, blocks, 0.0}));
+}
+
+double ParameterUncertainty::calcHalfWidth(const Eigen::VectorXd& combination) const {
+    const double stationary = std::sqrt(std::max(0.0, combination.dot(stationary_ * combination)));
+    const Eigen::ArrayXd squares = (combination.transpose() * influences_).array().square();
+    // Blocks that carry information; of Gaussian sums the fourth moment is three times the squared variance.
+    const double blocks = squares.sum(), fourth = squares.square().sum();
+    const double degrees_of_freedom = fourth > 0 ? 3 * blocks * blocks / fourth - 1 : 1;
+    return std::max(studentQuantile95(1e6) * stationary,
+                    studentQuantile95(std::max(1.0, degrees_of_freedom)) * std::sqrt(blocks));
+}
+
+Eigen::MatrixXd ParameterUncertainty::makeCovariance() const {
+    Eigen::VectorXd inflation(stationary_.rows());
+    for (Eigen::Index j = 0; j < inflation.size(); ++j) {
+        const double blocks = influences_.row(j).squaredNorm(), stationary = stationary_(j, j);
+        inflation(j) = stationary > 0 ? std::sqrt(std::max(1.0, blocks / stationary)) : 1.0;
+    }
+    return inflation.asDiagonal() * stationary_ * inflation.asDiagonal();
+}
+
+}  // namespace wems::identify

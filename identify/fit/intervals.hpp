@@ -1,0 +1,35 @@
+/// @file
+/// How well a solution is known: covariance of the parameters with residuals that are correlated in time.
+///
+/// With U the inverse of the information JᵀJ (whitened rows) the covariance is U Jᵀ Γ J U (sandwich). Γ, the covariance
+/// of the residual, is taken in two ways, and the larger answer counts:
+/// - stationary: an autoregressive model of each whitened equation's residual, so that JᵀΓJ = |A⁻¹ J|²;
+/// - blocks: sums of Jᵀr over blocks of time, which needs no stationarity (contact makes residuals larger there).
+///
+/// Sources: White (1980), doi:10.2307/1912934; Newey and West (1987), doi:10.2307/1913610; AR by Burg–Yule–Walker.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "identify/fit/solver.hpp"
+
+namespace wems::identify {
+
+/// Covariance of the system's parameters, scaled as there.
+class ParameterUncertainty {
+public:
+    ParameterUncertainty(const Solver& solver, const LinearSystem& system);
+
+    /// Standard error of Σ a_j x_j, x the scaled parameters.
+    double calcStandardError(const Eigen::VectorXd& combination) const;
+    /// Half width of the 95 % interval of the same.
+    double calcHalfWidth(const Eigen::VectorXd& combination) const;
+    /// The elementwise larger diagonal with the correlation of the stationary version.
+    Eigen::MatrixXd makeCovariance() const;
+
+private:
+    Eigen::MatrixXd stationary_;  // covariance
+    Eigen::MatrixXd influences_;  // parameters × blocks: U Jᵀr of each block
+};
+
+}  // namespace wems::identify

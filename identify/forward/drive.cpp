@@ -1,0 +1,165 @@
+#include "identify/forward/drive.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "identify/forward/step_size.hpp"
+#include "identify/motion/swept_frequency.hpp"
+#include "models/bryant.hpp"
+
+namespace wems::identify {
+namespace {
+
+/// Slope of each row per sample, by the five-point difference inside and three-point differences at the ends.
+Eigen::Matrix3Xd calcSlopes(const Eigen::Matrix3Xd& signal) {
+    const Eigen::Index n = signal.cols();
+    Eigen::Matrix3Xd slopes = Eigen::Matrix3Xd::Zero(3, n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+        if (k >= 2 && k + 2 < n) {
+            slopes.col(k) =
+                (signal.col(k - 2) - 8 * signal.col(k - 1) + 8 * signal.col(k + 1) - signal.col(k + 2)) / 12;
+        } else if (k >= 1 && k + 1 < n) {
+            slopes.col(k) = (signal.col(k + 1) - signal.col(k - 1)) / 2;
+        } else if (n >= 3) {
+            const Eigen::Index inward = k == 0 ? 1 : -1;
+            slopes.col(k) = static_cast<double>(inward) *
+                            (-3 * signal.col(k) + 4 * signal.col(k + inward) - signal.col(k + 2 * inward)) / 2;
+        } else if (n == 2) {
+            slopes.col(k) = signal.col(1) - signal.col(0);
+        }
+    }
+    return slopes;
+}
+
+/// Where a time falls between two samples.
+struct Position {
+    Eigen::Index interval;
+    double part;  // 0…1
+    bool inside;
+};
+Position locate(const std::vector<double>& time, double t) {
+    const auto last = static_cast<double>(time.size() - 1);
+    const double step = (time.back() - time.front()) / last;
+    const double samples = (t - time.front()) / step;
+    const double rounding = 1e-6;  // of a sample: grids share their times with the recording up to rounding
+    const double whole = std::clamp(std::floor(samples + rounding), 0.0, last - 1);
+    return {static_cast<Eigen::Index>(whole), std::clamp(samples - whole, 0.0, 1.0),
+            samples > -rounding && samples < last + rounding};
+}
+
+/// Cubic Hermite polynomial on one sample interval: value, and derivative per sample.
+struct HermiteBasis {
+    double value0, slope0, value1, slope1;
+};
+HermiteBasis calcHermite(double s) {
+    return {(1 + 2 * s) * (1 - s) * (1 - s), s * (1 - s) * (1 - s), s * s * (3 - 2 * s), s * s * (s - 1)};
+}
+HermiteBasis calcHermiteDerivative(double s) {
+    return {6 * s * (s - 1), (1 - s) * (1 - 3 * s), 6 * s * (1 - s), s * (3 * s - 2)};
+}
+Eigen::Vector3d combine(const HermiteBasis& basis, const Eigen::Matrix3Xd& values, const Eigen::Matrix3Xd& slopes,
+                        Eigen::Index k) {
+    return basis.value0 * values.col(k) + basis.slope0 * slopes.col(k) + basis.value1 * values.col(k + 1) +
+           basis.slope1 * slopes.col(k + 1);
+}
+
+Eigen::Matrix3Xd tabulate(const std::vector<double>& time, const Eigen::Matrix3Xd& signal, const TimeGrid& grid) {
+    if (signal.cols() == 0) return {};
+    const Eigen::Matrix3Xd slopes = calcSlopes(signal);
+    Eigen::Matrix3Xd table = Eigen::Matrix3Xd::Zero(3, grid.halfSteps());
+    for (int half = 0; half < grid.halfSteps(); ++half) {
+        const Position at = locate(time, grid.halfStepTime(half));
+        if (at.inside) table.col(half) = combine(calcHermite(at.part), signal, slopes, at.interval);
+    }
+    return table;
+}
+
+/// The load as the recording that its frequency is told from.
+Recording makeLoadRecording(const std::vector<double>& time, const Eigen::Matrix3Xd& load) {
+    Recording recording;
+    recording.time = time;
+    for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::RowVectorXd values = load.row(axis);
+        Channel channel;
+        channel.name = formatChannelName({Part::load, {}, axis, Derivative::force});
+        channel.values.assign(values.begin(), values.end());
+        recording.channels.push_back(std::move(channel));
+    }
+    return recording;
+}
+
+}  // namespace
+
+TimeGrid makeGrid(const RunMotion& run, const MountModel& model) {
+    TimeGrid grid;
+    grid.start = run.time.front();
+    grid.interval = run.interval;
+    grid.samples = static_cast<int>(run.time.size());
+    grid.steps_per_sample = chooseStepsPerSample(model, run.interval);
+    return grid;
+}
+
+Drive Drive::makeFree(const TimeGrid& grid) {
+    return Drive(grid, grid.start);
+}
+
+Drive Drive::makeLoad(const std::vector<double>& time, const Eigen::Matrix3Xd& load, const Eigen::Matrix3Xd& base,
+                      const TimeGrid& grid) {
+    if (time.size() < 2) throw std::invalid_argument("Drive::makeLoad: at least two samples are needed");
+    Drive drive(grid, time.front());
+    drive.load_ = tabulate(time, load, grid);
+    drive.base_ = tabulate(time, base, grid);
+    if (load.cols() == 0) return drive;
+    const SweptFrequency swept = findSweptFrequency(makeLoadRecording(time, load));
+    if (!swept.is_sine) return drive;
+    const Eigen::VectorXd& frequency = swept.hertz;
+    drive.frequency_.resize(grid.halfSteps());
+    for (int half = 0; half < grid.halfSteps(); ++half) {
+        const Position at = locate(time, grid.halfStepTime(half));
+        drive.frequency_(half) = frequency(at.interval) * (1 - at.part) + frequency(at.interval + 1) * at.part;
+    }
+    return drive;
+}
+
+Drive Drive::makeFixedMotion(const std::vector<double>& time, const PartMotion& fixed, const TimeGrid& grid) {
+    if (time.size() < 2) throw std::invalid_argument("Drive::makeFixedMotion: at least two samples are needed");
+    Drive drive(grid, time.front());
+    const double interval = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+    const Eigen::Matrix3Xd velocity = interval * fixed.v;
+    Eigen::Matrix3Xd rotation_rate(3, fixed.w.cols());
+    for (Eigen::Index k = 0; k < fixed.w.cols(); ++k)
+        rotation_rate.col(k) = interval * leftJacobian(fixed.theta.col(k)).inverse() * fixed.w.col(k);
+    drive.frames_.resize(static_cast<std::size_t>(grid.halfSteps()));
+    for (int half = 0; half < grid.halfSteps(); ++half) {
+        const Position at = locate(time, grid.halfStepTime(half));
+        if (!at.inside) throw std::invalid_argument("Drive::makeFixedMotion: the grid leaves the recorded time");
+        const HermiteBasis value = calcHermite(at.part);
+        const HermiteBasis slope = calcHermiteDerivative(at.part);
+        FrameMotion& frame = drive.frames_[static_cast<std::size_t>(half)];
+        const Eigen::Vector3d theta = combine(value, fixed.theta, rotation_rate, at.interval);
+        frame.R_GF = rotationFromVector(theta);
+        frame.p_GF = combine(value, fixed.p, velocity, at.interval);
+        frame.v_GF = combine(slope, fixed.p, velocity, at.interval) / interval;
+        frame.w_GF = leftJacobian(theta) * combine(slope, fixed.theta, rotation_rate, at.interval) / interval;
+    }
+    return drive;
+}
+
+Bracket::FrameAcceleration Drive::calcFrameAcceleration(int half) const {
+    const int before = std::max(0, half - 1);
+    const int after = std::min(grid_.halfSteps() - 1, half + 1);
+    if (after == before) return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    const double duration = 0.5 * grid_.step() * (after - before);
+    return {(frame(after).w_GF - frame(before).w_GF) / duration, (frame(after).v_GF - frame(before).v_GF) / duration};
+}
+
+Drive Drive::make(const RunMotion& run, const MountModel& model, const TimeGrid& grid) {
+    const bool loaded = run.load.cols() > 0 || run.base.cols() > 0;
+    if (!model.bracket.empty() && loaded) return makeLoad(run.time, run.load, run.base, grid);
+    return makeFixedMotion(run.time, run.fixed, grid);
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,78 @@
+/// @file
+/// What drives a free simulation, tabulated once at every time that the integrator asks for and then shared by as
+/// many simulations as wanted: a load or base acceleration on the bracket, or the motion of the fixed part.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "identify/motion/motion.hpp"
+#include "models/bracket.hpp"
+#include "models/mount_model.hpp"
+
+namespace wems::identify {
+
+/// Uniform times of a simulation: samples, and the integrator's steps between two samples.
+struct TimeGrid {
+    double start = 0;          ///< s, time of the first sample
+    double interval = 0;       ///< s between samples
+    int samples = 0;           ///< ≥ 1
+    int steps_per_sample = 1;  ///< ≥ 1
+
+    double step() const { return interval / steps_per_sample; }
+    double sampleTime(int sample) const { return start + sample * interval; }
+    /// Number of table rows: the integrator needs the start, the middle and the end of each step.
+    int halfSteps() const { return 2 * steps_per_sample * (samples - 1) + 1; }
+    /// Table row of a sample.
+    int halfStepOf(int sample) const { return 2 * steps_per_sample * sample; }
+    double halfStepTime(int half) const { return start + 0.5 * step() * half; }
+};
+
+/// The samples of a run with the steps that `model` needs between them.
+TimeGrid makeGrid(const RunMotion& run, const MountModel& model);
+
+class Drive {
+public:
+    /// Nothing acts from outside; a bracket, if the model has one, is free, otherwise the fixed part stands still.
+    static Drive makeFree(const TimeGrid& grid);
+
+    /// Load at the bracket's load point (3 x n, N) and base acceleration (3 x n, m/s²) at the times `time` (s,
+    /// uniform); either may be empty. Between samples cubic Hermite with slopes of fourth order: a signal of frequency
+    /// f sampled at f_s is met to (2π f / f_s)^4 / 384 or better, where linear interpolation would lose (2π f / f_s)²
+    /// / 12 of its amplitude (0.8 % at 50 Hz and 1 kHz). Zero outside the recorded time.
+    static Drive makeLoad(const std::vector<double>& time, const Eigen::Matrix3Xd& load, const Eigen::Matrix3Xd& base,
+                          const TimeGrid& grid);
+
+    /// Recorded motion of the fixed part: position and rotation vector cubic Hermite, velocities their derivatives.
+    /// @throws std::invalid_argument if the grid leaves the recorded time.
+    static Drive makeFixedMotion(const std::vector<double>& time, const PartMotion& fixed, const TimeGrid& grid);
+
+    /// What the error of a free simulation is defined with: load or base acceleration wherever the model has a bracket
+    /// and the run a load or base acceleration, the recorded motion of the fixed part otherwise.
+    static Drive make(const RunMotion& run, const MountModel& model, const TimeGrid& grid);
+
+    const TimeGrid& grid() const { return grid_; }
+    bool prescribesMotion() const { return !frames_.empty(); }
+
+    /// Motion of F at a table row; prescribesMotion() only.
+    const FrameMotion& frame(int half) const { return frames_[static_cast<std::size_t>(half)]; }
+    /// Its acceleration, by differences of the tabulated velocities; prescribesMotion() only.
+    Bracket::FrameAcceleration calcFrameAcceleration(int half) const;
+    /// Time since the start of the recording (s), which drift counts from.
+    double elapsedTime(int half) const { return grid_.halfStepTime(half) - origin_; }
+    /// Load (N) and base acceleration (m/s²) at all table rows, in G; empty if there is none.
+    const Eigen::Matrix3Xd& load() const { return load_; }
+    const Eigen::Matrix3Xd& base() const { return base_; }
+    /// Swept frequency (Hz) of the load at all table rows; empty without load.
+    const Eigen::VectorXd& sweptFrequency() const { return frequency_; }
+
+private:
+    Drive(const TimeGrid& grid, double origin) : grid_(grid), origin_(origin) {}
+    TimeGrid grid_;
+    double origin_;
+    std::vector<FrameMotion> frames_;
+    Eigen::Matrix3Xd load_, base_;
+    Eigen::VectorXd frequency_;
+};
+
+}  // namespace wems::identify

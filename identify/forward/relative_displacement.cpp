@@ -1,0 +1,143 @@
+#include "identify/forward/relative_displacement.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "identify/motion/differentiation.hpp"
+#include "identify/motion/spectrum.hpp"
+#include "identify/motion/swept_frequency.hpp"
+#include "identify/motion/uniform_time.hpp"
+#include "models/bryant.hpp"
+#include "models/error.hpp"
+#include "models/mount_forces.hpp"
+
+namespace wems::identify {
+namespace {
+
+// Where only accelerations were recorded, displacements count above this times the lowest excited frequency.
+constexpr double lowest_part = 0.6;
+
+void addSweep(const Recording& uniform, RelativeDisplacement& result) {
+    const SweptFrequency swept = findSweptFrequency(uniform);
+    result.swept_frequency = swept.hertz;
+    result.lowest_frequency = swept.lowest;
+    if (result.swept_frequency.size() != static_cast<Eigen::Index>(result.time.size()))
+        result.swept_frequency = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(result.time.size()),
+                                                           std::numeric_limits<double>::quiet_NaN());
+}
+
+/// Displacement of one axis of one point: as recorded, or integrated from its acceleration.
+struct Axis {
+    Eigen::RowVectorXd values;
+    bool integrated = false;
+};
+bool findAxis(const Recording& recording, ChannelName name, double lowest, Axis& axis) {
+    const auto samples = static_cast<Eigen::Index>(recording.sampleCount());
+    name.derivative = Derivative::displacement;
+    if (const Channel* channel = recording.find(formatChannelName(name))) {
+        axis = {Eigen::Map<const Eigen::RowVectorXd>(channel->values.data(), samples), false};
+        return true;
+    }
+    name.derivative = Derivative::acceleration;
+    const Channel* channel = recording.find(formatChannelName(name));
+    if (channel == nullptr) return false;
+    if (!(lowest > 0))
+        throw InputError({recording.file, 0, channel->name},
+                         "only accelerations were recorded, and the lowest excited frequency cannot be told",
+                         "displacement channels, or a load or base channel beside the accelerations");
+    const Eigen::VectorXd a = Eigen::Map<const Eigen::VectorXd>(channel->values.data(), samples);
+    axis = {integrateTwice(a, recording.sampleInterval(), lowest_part * lowest).x.transpose(), true};
+    return true;
+}
+
+}  // namespace
+
+Eigen::VectorXd calcRestDisplacement(const MountModel& model) {
+    const StaticEquilibrium rest = findStaticEquilibrium(model);
+    FrameMotion frame;
+    if (!model.bracket.empty())
+        frame = Bracket(model.bracket).calcMotion(rest.eta, Eigen::VectorXd::Zero(rest.eta.size()));
+    Eigen::VectorXd displacement(3 * static_cast<Eigen::Index>(model.connections.size()));
+    Eigen::Index row = 0;
+    for (const Connection& connection : model.connections) {
+        displacement.segment<3>(row) = calcRelativeMotion(rest.mobile, frame, connection.position).q;
+        row += 3;
+    }
+    return displacement;
+}
+
+RelativeDisplacement calcRelativeDisplacement(const RunMotion& run, const MountModel& model) {
+    RelativeDisplacement result;
+    result.file = run.file;
+    result.time = run.time;
+    result.notes = run.notes;
+    result.from_accelerations = !run.mobile.displacement_measured;
+    const auto samples = static_cast<Eigen::Index>(run.time.size());
+    const auto connections = static_cast<Eigen::Index>(model.connections.size());
+    result.q.resize(3 * connections, samples);
+    for (Eigen::Index k = 0; k < samples; ++k) {
+        const Eigen::Matrix3d R_FG = rotationFromVector(run.fixed.theta.col(k)).transpose();
+        const Eigen::Matrix3d R_FM = R_FG * rotationFromVector(run.mobile.theta.col(k));
+        const Eigen::Vector3d p_FM = R_FG * (run.mobile.p.col(k) - run.fixed.p.col(k));
+        for (Eigen::Index i = 0; i < connections; ++i) {
+            const Eigen::Vector3d& r = model.connections[static_cast<std::size_t>(i)].position;
+            result.q.block<3, 1>(3 * i, k) = p_FM + R_FM * r - r;
+        }
+    }
+    result.q.colwise() -= calcRestDisplacement(model);
+    for (const Connection& connection : model.connections)
+        for (const char* axis : {".x", ".y", ".z"}) result.names.push_back(connection.name + axis);
+    return result;
+}
+
+RelativeDisplacement calcRelativeDisplacement(const Recording& recording, const MountModel& model) {
+    RelativeDisplacement result = calcRelativeDisplacement(estimateMotion(recording, model), model);
+    std::vector<std::string> notes;
+    addSweep(makeUniform(recording, notes), result);
+    return result;
+}
+
+RelativeDisplacement calcRelativeDisplacement(const Recording& recording) {
+    RelativeDisplacement result;
+    result.file = recording.file;
+    const Recording uniform = makeUniform(recording, result.notes);
+    result.time = uniform.time;
+    addSweep(uniform, result);
+    const bool mobile_alone = uniform.connections(Part::fixed).empty();
+    std::vector<Eigen::RowVectorXd> rows;
+    for (const std::string& connection : uniform.connections(Part::mobile)) {
+        for (int k = 0; k < 3; ++k) {
+            Axis mobile, fixed;
+            if (!findAxis(uniform, {Part::mobile, connection, k, {}}, result.lowest_frequency, mobile)) continue;
+            result.from_accelerations |= mobile.integrated;
+            if (!mobile_alone) {
+                const ChannelName counterpart{Part::fixed, connection, k, Derivative::displacement};
+                if (!findAxis(uniform, counterpart, result.lowest_frequency, fixed))
+                    throw InputError({recording.file, 0, formatChannelName(counterpart)},
+                                     "this channel is missing, while the same axis of the mobile part was recorded",
+                                     "displacement or acceleration of both ends, or of the mobile ends alone");
+                result.from_accelerations |= fixed.integrated;
+                mobile.values -= fixed.values;
+            }
+            rows.push_back(std::move(mobile.values));
+            result.names.push_back(connection + "." + "xyz"[k]);
+        }
+    }
+    if (rows.empty())
+        throw InputError({recording.file, 0, "mobile"}, "no displacement or acceleration of the mobile part",
+                         "mobile.<connection>.<x|y|z|ax|ay|az>");
+    result.q.resize(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(result.time.size()));
+    for (std::size_t i = 0; i < rows.size(); ++i) result.q.row(static_cast<Eigen::Index>(i)) = rows[i];
+    if (mobile_alone) result.notes.emplace_back("no channels of the fixed part: the mobile part alone is compared");
+    return result;
+}
+
+void removeSlowMotion(RelativeDisplacement& displacement, double lowest_frequency) {
+    const double cutoff = lowest_part * lowest_frequency;
+    for (Eigen::Index i = 0; i < displacement.q.rows(); ++i) {
+        const Eigen::VectorXd row = displacement.q.row(i);
+        displacement.q.row(i) -= smoothZeroPhase(row, displacement.interval(), cutoff);
+    }
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,26 @@
+/// @file
+/// The error of a model on a run: its free simulation against the measured relative displacements.
+#pragma once
+
+#include "identify/forward/compare.hpp"
+#include "identify/forward/drive.hpp"
+
+namespace wems::identify {
+
+/// A run prepared for being simulated many times with changing parameters: drive tables and measured displacements.
+struct PreparedRun {
+    Drive drive;
+    RelativeDisplacement measured;
+};
+
+/// @param lowest_frequency Hz, lowest excited frequency; only used where the run rests on accelerations alone
+/// @param model chooses the step and the way of driving (load wherever there is a bracket and a load)
+PreparedRun prepareRun(const RunMotion& run, const MountModel& model, double lowest_frequency);
+
+/// Free simulation from rest, relative displacements from rest; filtered as the measured ones are.
+RelativeDisplacement simulateRun(const MountModel& model, const PreparedRun& run);
+
+/// The sums of squares, to be pooled over runs. @throws SimulationDiverged
+ErrorSum calcSimulationError(const MountModel& model, const PreparedRun& run);
+
+}  // namespace wems::identify

@@ -1,0 +1,105 @@
+#include "identify/motion/differentiation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "identify/motion/spectrum.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+/// One pass of a third-order Butterworth low pass (bilinear transform), started at rest at the first sample.
+void filterOnce(std::vector<double>& x, double w) {
+    // First-order section 1/(1 + s) and second-order section 1/(1 + s + s²), s = (1 − z⁻¹)/(w (1 + z⁻¹)).
+    const double b1 = w / (1 + w), a1 = (w - 1) / (w + 1);
+    const double norm = 1 + w + w * w;
+    const double b2 = w * w / norm, c1 = 2 * (w * w - 1) / norm, c2 = (1 - w + w * w) / norm;
+    double x1 = x[0], y1 = x[0], u1 = x[0], u2 = x[0], z1 = x[0], z2 = x[0];
+    for (double& value : x) {
+        const double y = b1 * (value + x1) - a1 * y1;
+        x1 = value;
+        y1 = y;
+        const double z = b2 * (y + 2 * u1 + u2) - c1 * z1 - c2 * z2;
+        u2 = u1;
+        u1 = y;
+        z2 = z1;
+        z1 = z;
+        value = z;
+    }
+}
+
+}  // namespace
+
+Eigen::VectorXd smoothZeroPhase(const Eigen::VectorXd& signal, double interval, double cutoff) {
+    const Eigen::Index n = signal.size();
+    const double w = std::tan(pi * cutoff * interval);
+    const Eigen::Index pad = std::min<Eigen::Index>(n - 1, static_cast<Eigen::Index>(3 / (cutoff * interval)) + 4);
+    std::vector<double> x(static_cast<std::size_t>(n + 2 * pad));
+    for (Eigen::Index k = 0; k < pad; ++k) {
+        x[static_cast<std::size_t>(k)] = 2 * signal[0] - signal[pad - k];
+        x[static_cast<std::size_t>(n + pad + k)] = 2 * signal[n - 1] - signal[n - 2 - k];
+    }
+    std::copy(signal.data(), signal.data() + n, x.begin() + pad);
+    filterOnce(x, w);
+    std::reverse(x.begin(), x.end());
+    filterOnce(x, w);
+    std::reverse(x.begin(), x.end());
+    return Eigen::Map<const Eigen::VectorXd>(x.data() + pad, n);
+}
+
+Derivatives differentiate(const Eigen::VectorXd& x, double h) {
+    static const double first[4][4] = {{1.0 / 2, 0, 0, 0},
+                                       {2.0 / 3, -1.0 / 12, 0, 0},
+                                       {3.0 / 4, -3.0 / 20, 1.0 / 60, 0},
+                                       {4.0 / 5, -1.0 / 5, 4.0 / 105, -1.0 / 280}};
+    static const double second[4][4] = {{1, 0, 0, 0},
+                                        {4.0 / 3, -1.0 / 12, 0, 0},
+                                        {3.0 / 2, -3.0 / 20, 1.0 / 90, 0},
+                                        {8.0 / 5, -1.0 / 5, 8.0 / 315, -1.0 / 560}};
+    const Eigen::Index n = x.size();
+    Derivatives result;
+    result.first.resize(n);
+    result.second.resize(n);
+    for (Eigen::Index k = 1; k + 1 < n; ++k) {
+        const Eigen::Index reach = std::min<Eigen::Index>({4, k, n - 1 - k});
+        double d1 = 0, d2 = 0;
+        for (Eigen::Index j = 1; j <= reach; ++j) {
+            d1 += first[reach - 1][j - 1] * (x[k + j] - x[k - j]);
+            d2 += second[reach - 1][j - 1] * ((x[k + j] - x[k]) + (x[k - j] - x[k]));
+        }
+        result.first[k] = d1 / h;
+        result.second[k] = d2 / (h * h);
+    }
+    result.first[0] = (-3 * x[0] + 4 * x[1] - x[2]) / (2 * h);
+    result.first[n - 1] = (3 * x[n - 1] - 4 * x[n - 2] + x[n - 3]) / (2 * h);
+    result.second[0] = result.second[1];
+    result.second[n - 1] = result.second[n - 2];
+    return result;
+}
+
+double findCutoff(const Eigen::MatrixXd& signals, double interval) {
+    // Standing out means twice the floor, averaged over a sixth of an octave.
+    constexpr double ratio = 2, band = 1.1225;
+    const double nyquist = 0.5 / interval;
+    double highest = 0;
+    for (Eigen::Index row = 0; row < signals.rows(); ++row) {
+        const Spectrum spectrum = calcSpectrum(signals.row(row).transpose(), interval, 4096);
+        const Eigen::Index bins = spectrum.density.size();
+        const auto mean = [&](double from, double to) {
+            const auto first = static_cast<Eigen::Index>(from / nyquist * static_cast<double>(bins - 1));
+            const auto last =
+                std::max(first + 1, static_cast<Eigen::Index>(to / nyquist * static_cast<double>(bins - 1)));
+            return spectrum.density.segment(first, std::min(last, bins) - first).mean();
+        };
+        const double floor = mean(0.8 * nyquist, nyquist);
+        for (double f = 0.6 * nyquist; f > std::max(highest, 0.01 * nyquist); f /= band) {
+            if (mean(f / band, f) > ratio * floor) highest = std::max(highest, f);
+        }
+    }
+    return std::clamp(1.5 * highest, 0.02 * nyquist, 0.5 * nyquist);
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,67 @@
+#include "identify/motion/motion.hpp"
+
+#include <algorithm>
+
+#include "identify/motion/part_motion.hpp"
+#include "identify/motion/uniform_time.hpp"
+#include "models/error.hpp"
+#include "models/mount_forces.hpp"
+
+namespace wems::identify {
+namespace {
+
+/// Vector signal of load or base, missing axes zero; empty if no axis was recorded.
+Eigen::Matrix3Xd collectVector(const Recording& recording, Part part) {
+    Eigen::Matrix3Xd values;
+    for (const Channel& channel : recording.channels) {
+        const auto name = parseChannelName(channel.name);
+        if (!name || name->part != part) continue;
+        const auto samples = static_cast<Eigen::Index>(channel.values.size());
+        if (values.cols() == 0) values = Eigen::Matrix3Xd::Zero(3, samples);
+        values.row(name->axis) = Eigen::Map<const Eigen::RowVectorXd>(channel.values.data(), samples);
+    }
+    return values;
+}
+
+PartEstimate estimateFixed(const Recording& recording, const MountModel& model, const RunMotion& run,
+                           const BodyMotion& rest) {
+    if (hasChannels(recording, Part::fixed)) return estimatePart(recording, model, Part::fixed, rest);
+    if (!model.bracket.empty())
+        throw InputError({recording.file, 0, "fixed"},
+                         "the model has a bracket, so the fixed part moves, but no channel of it was recorded",
+                         "fixed.<connection>.<x|y|z|ax|ay|az>, or a model without [bracket]");
+    if (run.base.cols() > 0) return estimateTranslation(recording, run.base, rest);
+    PartEstimate estimate;
+    estimate.motion = makeStandstill(rest, static_cast<Eigen::Index>(run.time.size()));
+    estimate.trusted_to = 0.25 / run.interval;
+    estimate.notes.emplace_back("fixed part: no channels and no bracket in the model, so it stands still");
+    return estimate;
+}
+
+}  // namespace
+
+RunMotion estimateMotion(const Recording& recording, const MountModel& model) {
+    if (!hasChannels(recording, Part::mobile))
+        throw InputError({recording.file, 0, "mobile"}, "no channel of the mobile part",
+                         "mobile.<connection>.<x|y|z|vx|vy|vz|ax|ay|az>");
+    RunMotion run;
+    run.file = recording.file;
+    const Recording uniform = makeUniform(recording, run.notes);
+    run.time = uniform.time;
+    run.interval = uniform.sampleInterval();
+    run.load = collectVector(uniform, Part::load);
+    run.base = collectVector(uniform, Part::base);
+
+    const StaticEquilibrium equilibrium = findStaticEquilibrium(model);
+    PartEstimate mobile = estimatePart(uniform, model, Part::mobile, equilibrium.mobile);
+    PartEstimate fixed = estimateFixed(uniform, model, run, findFixedRest(model, equilibrium));
+    run.trusted_from = std::max(mobile.trusted_from, fixed.trusted_from);
+    run.trusted_to = std::min(mobile.trusted_to, fixed.trusted_to);
+    run.notes.insert(run.notes.end(), mobile.notes.begin(), mobile.notes.end());
+    run.notes.insert(run.notes.end(), fixed.notes.begin(), fixed.notes.end());
+    run.mobile = std::move(mobile.motion);
+    run.fixed = std::move(fixed.motion);
+    return run;
+}
+
+}  // namespace wems::identify

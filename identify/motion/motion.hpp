@@ -1,0 +1,54 @@
+/// @file
+/// From a recording to the motion of both rigid parts: the step between channels and equations of motion.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "models/mount_model.hpp"
+#include "models/recording/recording.hpp"
+
+namespace wems::identify {
+
+/// Motion of one rigid part over all samples; column k belongs to time[k]. Frames: G coincides with F at rest (without
+/// gravity). The static equilibrium of the model is included: at rest p and theta are those of the equilibrium, not
+/// zero.
+struct PartMotion {
+    Eigen::Matrix3Xd p;      ///< origin of the part's frame (Mo or Fo) in G, m
+    Eigen::Matrix3Xd theta;  ///< rotation vector, R = exp([theta]×), rad
+    Eigen::Matrix3Xd v;      ///< velocity of the origin in G, m/s
+    Eigen::Matrix3Xd w;      ///< angular velocity in G, rad/s
+    Eigen::Matrix3Xd a;      ///< acceleration of the origin in G, m/s²
+    Eigen::Matrix3Xd alpha;  ///< angular acceleration in G, rad/s²
+
+    bool displacement_measured = false;  ///< p and theta rest on displacement channels
+    bool acceleration_measured = false;  ///< a and alpha rest on acceleration channels
+    double displacement_noise = 0;  ///< m RMS of one channel, from what the rigid fit leaves; NaN if it cannot be told
+    double acceleration_noise = 0;  ///< m/s² RMS of one channel, likewise
+};
+
+/// Motion of both parts in one run.
+struct RunMotion {
+    std::string file;
+    std::vector<double> time;  ///< s, uniform (resampled where the recording's was not, which `notes` says)
+    double interval = 0;       ///< s
+    PartMotion mobile, fixed;
+    Eigen::Matrix3Xd load;           ///< N at the bracket's load point in G; empty if not recorded
+    Eigen::Matrix3Xd base;           ///< m/s²; empty if not recorded
+    double trusted_from = 0;         ///< Hz: below this, displacements derived from accelerations say nothing
+    double trusted_to = 0;           ///< Hz: above this, derived accelerations or velocities are not to be trusted
+    std::vector<std::string> notes;  ///< how each missing quantity was derived and in which band it is trusted
+};
+
+/// Rigid motion of both parts from whatever displacement, velocity and acceleration channels there are.
+/// - Displacements: best rigid fit (Kabsch) of the connections' positions, each sample on its own.
+/// - Accelerations: least squares of a_i = a + α × r + ω × (ω × r) in (a, α).
+/// - Both: displacement and acceleration fused by the penalised least squares that weighs each by its noise; no bias in
+/// any band.
+/// - One alone: the other derived, zero-phase; the notes say how.
+/// A model without bracket whose recording has no `fixed` channels stands still (base motion excepted).
+/// @throws InputError if the six motions cannot be recovered, naming which.
+RunMotion estimateMotion(const Recording& recording, const MountModel& model);
+
+}  // namespace wems::identify

@@ -1,0 +1,45 @@
+#include "identify/motion/noise_estimate.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace wems::identify {
+namespace {
+
+double median(std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+double medianOfChiSquared(int degrees_of_freedom) {
+    return boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), 0.5);
+}
+
+}  // namespace
+
+double estimateNoiseFromResiduals(const Eigen::MatrixXd& residuals, int redundancy) {
+    const Eigen::Index samples = residuals.cols();
+    if (redundancy < 1 || samples < 3) return std::numeric_limits<double>::quiet_NaN();
+    std::vector<double> sums(static_cast<std::size_t>(samples - 2));
+    for (Eigen::Index k = 1; k + 1 < samples; ++k)
+        sums[static_cast<std::size_t>(k - 1)] =
+            (residuals.col(k - 1) - 2 * residuals.col(k) + residuals.col(k + 1)).squaredNorm();
+    return std::sqrt(median(sums) / (6 * medianOfChiSquared(redundancy)));
+}
+
+double estimateNoiseFromSignal(const Eigen::VectorXd& x) {
+    if (x.size() < 7) return std::numeric_limits<double>::quiet_NaN();
+    std::vector<double> squares;
+    squares.reserve(static_cast<std::size_t>(x.size()));
+    for (Eigen::Index k = 3; k + 3 < x.size(); ++k) {
+        const double sixth = x[k - 3] + x[k + 3] - 6 * (x[k - 2] + x[k + 2]) + 15 * (x[k - 1] + x[k + 1]) - 20 * x[k];
+        squares.push_back(sixth * sixth);
+    }
+    return std::sqrt(median(squares) / (924 * medianOfChiSquared(1)));
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,19 @@
+/// @file
+/// Noise of one channel, from what a rigid motion leaves of many.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace wems::identify {
+
+/// RMS noise of a channel from the residuals of a rigid fit (channels x samples) with `redundancy` ≥ 1 equations more
+/// than unknowns. Second differences keep systematic residuals (gains, flexibility) at the frequencies of the motion
+/// out, the median over samples keeps bursts (contact) out; white noise is assumed. Median of χ²: exact for Gaussian
+/// noise.
+double estimateNoiseFromResiduals(const Eigen::MatrixXd& residuals, int redundancy);
+
+/// RMS noise of a signal from its sixth differences alone (no redundancy); robust, but content of the signal above a
+/// tenth of the sampling rate counts as noise.
+double estimateNoiseFromSignal(const Eigen::VectorXd& signal);
+
+}  // namespace wems::identify

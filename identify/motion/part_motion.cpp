@@ -1,0 +1,339 @@
+#include "identify/motion/part_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "identify/motion/differentiation.hpp"
+#include "identify/motion/fusion.hpp"
+#include "identify/motion/noise_estimate.hpp"
+#include "identify/motion/rigid_fit.hpp"
+#include "identify/motion/rotation_rates.hpp"
+#include "identify/motion/spectrum.hpp"
+#include "identify/motion/swept_frequency.hpp"
+#include "models/bryant.hpp"
+#include "models/error.hpp"
+
+namespace wems::identify {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// Passes over the centripetal terms; each gains two to four digits.
+constexpr int max_passes = 10;
+/// What a pass may still change of the centripetal acceleration, relative to the largest angular acceleration.
+constexpr double pass_tolerance = 1e-6;
+/// Displacements from accelerations count from this part of the lowest excited frequency on.
+constexpr double integration_margin = 0.6;
+/// Differentiated displacements keep at least this many times the highest excited frequency: the gain there is 0.9986.
+constexpr double sweep_margin = 3;
+/// Rotations beyond this (rad), got by integration, are a sign of drift or of wrong units.
+constexpr double largest_rotation = 1.6;
+/// No measurement is better than this part of its own RMS: keeps weights finite for noise-free data.
+constexpr double noise_floor = 1e-9;
+
+const char* nameOf(Part part) {
+    return part == Part::mobile ? "mobile part" : "fixed part";
+}
+
+std::string formatHertz(double f) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.3g Hz", f);
+    return text;
+}
+
+double rms(const Eigen::Matrix3Xd& values) {
+    return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+}
+
+/// Noise of one channel: from the redundancy of the fit, otherwise from what varies fast in the origin's motion.
+double estimateNoise(const RigidFit& fit, const Eigen::MatrixXd& residuals, const Eigen::Matrix3Xd& origin) {
+    if (fit.redundancy() > 0) return estimateNoiseFromResiduals(residuals, fit.redundancy());
+    const Vector6 unit = fit.calcUnitDeviations();
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        sum += std::pow(estimateNoiseFromSignal(origin.row(axis).transpose()) / unit[axis], 2) / 3;
+    return std::sqrt(sum);
+}
+
+/// Angular velocities from rotation vectors and their rates, sample by sample.
+Eigen::Matrix3Xd calcAngularVelocities(const Eigen::Matrix3Xd& theta, const Eigen::Matrix3Xd& rate) {
+    Eigen::Matrix3Xd w(3, theta.cols());
+    for (Eigen::Index k = 0; k < theta.cols(); ++k) w.col(k) = calcAngularVelocity(theta.col(k), rate.col(k));
+    return w;
+}
+
+class PartEstimator {
+public:
+    PartEstimator(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest)
+        : recording_(recording),
+          part_(part),
+          rest_(rest),
+          interval_(recording.sampleInterval()),
+          displacement_(collectChannels(recording, model, part, Derivative::displacement), rest),
+          acceleration_(collectAccelerations(model), rest) {}
+
+    PartEstimate estimate() {
+        const bool displacement = displacement_.undetermined().empty();
+        const bool acceleration = acceleration_.undetermined().empty();
+        if (!displacement && !acceleration) throwUndetermined();
+        noteUnused(displacement, acceleration);
+        result_.trusted_to = 0.25 / interval_;
+        PartMotion& motion = result_.motion;
+        motion.displacement_measured = displacement;
+        motion.acceleration_measured = acceleration && !from_velocity_;
+        motion.displacement_noise = motion.acceleration_noise = std::nan("");
+        if (displacement) {
+            Eigen::MatrixXd residuals;
+            displacement_.solvePoses(motion.p, motion.theta, &residuals);
+            motion.displacement_noise = estimateNoise(displacement_, residuals, motion.p);
+        }
+        if (displacement && acceleration) {
+            fuse();
+        } else if (displacement) {
+            differentiateDisplacements();
+        } else {
+            integrateAccelerations();
+        }
+        return std::move(result_);
+    }
+
+private:
+    /// Acceleration channels; velocities differentiated where there is nothing else.
+    ChannelSet collectAccelerations(const MountModel& model) {
+        ChannelSet set = collectChannels(recording_, model, part_, Derivative::acceleration);
+        ChannelSet velocity = collectChannels(recording_, model, part_, Derivative::velocity);
+        if (velocity.empty()) return set;
+        if (!set.empty() || !displacement_.channelSet().empty()) {
+            note("velocity channels are not used: displacements or accelerations say more");
+            return set;
+        }
+        from_velocity_ = true;
+        for (int i = 0; i < velocity.count(); ++i)
+            velocity.values.row(i) = differentiate(velocity.values.row(i).transpose(), interval_).first.transpose();
+        note("accelerations are central differences (eighth order) of the velocity channels");
+        return velocity;
+    }
+
+    void note(const std::string& text) { result_.notes.push_back(std::string(nameOf(part_)) + ": " + text); }
+
+    [[noreturn]] void throwUndetermined() const {
+        const bool use_displacement = displacement_.channelSet().count() >= acceleration_.channelSet().count();
+        const RigidFit& fit = use_displacement ? displacement_ : acceleration_;
+        std::string motions;
+        for (const std::string& name : fit.undetermined()) motions += (motions.empty() ? "" : ", ") + name;
+        throw InputError(
+            {recording_.file, 0, part_ == Part::mobile ? "mobile" : "fixed"},
+            "the " + std::string(use_displacement ? "displacement" : "acceleration") +
+                " channels of this part do not determine its " + motions,
+            "x, y, z at three connections not on one line, or any channels that determine all six motions");
+    }
+
+    void noteUnused(bool displacement, bool acceleration) {
+        if (!displacement && !displacement_.channelSet().empty())
+            note("displacement channels are not used: too few for the six motions");
+        if (!acceleration && !acceleration_.channelSet().empty())
+            note("acceleration channels are not used: too few for the six motions");
+    }
+
+    /// Rigid accelerations with the centripetal terms of the present angular velocity.
+    void solveAccelerations(Eigen::MatrixXd* residuals) {
+        PartMotion& motion = result_.motion;
+        acceleration_.solveAccelerations(motion.theta, motion.w, motion.a, motion.alpha, residuals);
+    }
+
+    /// True if a further pass over the centripetal terms would change nothing that matters.
+    bool hasConverged(const Eigen::Matrix3Xd& w_before) const {
+        const PartMotion& motion = result_.motion;
+        const double change = (motion.w - w_before).cwiseAbs().maxCoeff() * motion.w.cwiseAbs().maxCoeff();
+        return !(change > pass_tolerance * motion.alpha.cwiseAbs().maxCoeff());
+    }
+
+    Eigen::Matrix3Xd calcVectorAccelerations(const Eigen::Matrix3Xd& rate) const {
+        const PartMotion& motion = result_.motion;
+        Eigen::Matrix3Xd result(3, motion.theta.cols());
+        for (Eigen::Index k = 0; k < motion.theta.cols(); ++k)
+            result.col(k) = calcVectorAcceleration(motion.theta.col(k), rate.col(k), motion.alpha.col(k));
+        return result;
+    }
+
+    void fuse() {
+        PartMotion& motion = result_.motion;
+        const Eigen::Matrix3Xd p_measured = motion.p, theta_measured = motion.theta;
+        Eigen::Matrix3Xd rate = Eigen::Matrix3Xd::Zero(3, motion.p.cols());
+        motion.w = rate;
+        const Vector6 x_unit = displacement_.calcUnitDeviations(), a_unit = acceleration_.calcUnitDeviations();
+        const double x_noise = std::max(motion.displacement_noise, noise_floor * rms(motion.p.colwise() - rest_.p_GM));
+        double a_noise = 0;
+        Eigen::MatrixXd residuals;
+        for (int pass = 0; pass < max_passes; ++pass) {
+            solveAccelerations(&residuals);
+            motion.acceleration_noise = estimateNoise(acceleration_, residuals, motion.a);
+            a_noise = std::max(motion.acceleration_noise, noise_floor * rms(motion.a));
+            const Eigen::Matrix3Xd second = calcVectorAccelerations(rate);
+            for (int i = 0; i < 3; ++i) {
+                const FusedSignal fused =
+                    fuseDisplacementAndAcceleration(theta_measured.row(i).transpose(), x_noise * x_unit[3 + i],
+                                                    second.row(i).transpose(), a_noise * a_unit[3 + i], interval_);
+                motion.theta.row(i) = fused.x.transpose();
+                rate.row(i) = fused.v.transpose();
+            }
+            const Eigen::Matrix3Xd w_before = motion.w;
+            motion.w = calcAngularVelocities(motion.theta, rate);
+            if (hasConverged(w_before)) break;
+        }
+        motion.v.resize(3, motion.p.cols());
+        for (int i = 0; i < 3; ++i) {
+            const FusedSignal fused =
+                fuseDisplacementAndAcceleration(p_measured.row(i).transpose(), x_noise * x_unit[i],
+                                                motion.a.row(i).transpose(), a_noise * a_unit[i], interval_);
+            motion.p.row(i) = fused.x.transpose();
+            motion.v.row(i) = fused.v.transpose();
+        }
+        const double crossover = std::sqrt(a_noise * a_unit[0] / (x_noise * x_unit[0])) / (2 * 3.14159265358979);
+        note("displacements and accelerations fused, displacement deciding below " + formatHertz(crossover) +
+             ", acceleration above; velocities from both, good to " + formatHertz(result_.trusted_to));
+    }
+
+    void differentiateDisplacements() {
+        PartMotion& motion = result_.motion;
+        const Eigen::Index samples = motion.p.cols();
+        const Vector6 unit = displacement_.calcUnitDeviations();
+        Eigen::MatrixXd coordinates(6, samples);
+        coordinates.topRows(3) = (motion.p.colwise() - rest_.p_GM).array().colwise() / unit.head<3>().array();
+        coordinates.bottomRows(3) = motion.theta.array().colwise() / unit.tail<3>().array();
+        const double cutoff = std::clamp(sweep_margin * findSweptFrequency(recording_).highest,
+                                         findCutoff(coordinates, interval_), 0.25 / interval_);
+        Eigen::MatrixXd first(6, samples), second(6, samples);
+        for (int i = 0; i < 6; ++i) {
+            const Derivatives derivatives =
+                differentiate(smoothZeroPhase(coordinates.row(i).transpose(), interval_, cutoff), interval_);
+            first.row(i) = unit[i] * derivatives.first.transpose();
+            second.row(i) = unit[i] * derivatives.second.transpose();
+        }
+        motion.v = first.topRows(3);
+        motion.a = second.topRows(3);
+        motion.w.resize(3, samples);
+        motion.alpha.resize(3, samples);
+        for (Eigen::Index k = 0; k < samples; ++k) {
+            const Eigen::Vector3d theta = motion.theta.col(k), rate = first.col(k).tail<3>();
+            motion.w.col(k) = calcAngularVelocity(theta, rate);
+            motion.alpha.col(k) = calcAngularAcceleration(theta, rate, second.col(k).tail<3>());
+        }
+        result_.trusted_to = 0.5 * cutoff;
+        note(
+            "no accelerations recorded: velocities and accelerations are zero-phase derivatives of the displacements "
+            "(gain 1/2 at " +
+            formatHertz(cutoff) + "), good to " + formatHertz(result_.trusted_to));
+    }
+
+    void integrateAccelerations() {
+        PartMotion& motion = result_.motion;
+        const Eigen::Index samples = acceleration_.channelSet().values.cols();
+        const double lowest = findSweptFrequency(recording_).lowest;
+        if (!(lowest > 0))
+            throw InputError({recording_.file, 0, nameOf(part_)},
+                             "only accelerations, and nothing moves: no displacement can be derived");
+        result_.trusted_from = integration_margin * lowest;
+        const Eigen::Vector3d rest_vector = vectorFromRotation(rest_.R_GM);
+        motion.p = rest_.p_GM.replicate(1, samples);
+        motion.theta = rest_vector.replicate(1, samples);
+        motion.v = motion.w = Eigen::Matrix3Xd::Zero(3, samples);
+        Eigen::Matrix3Xd rate = motion.w;
+        Eigen::MatrixXd residuals;
+        for (int pass = 0; pass < max_passes; ++pass) {
+            solveAccelerations(&residuals);
+            const Eigen::Matrix3Xd second = calcVectorAccelerations(rate);
+            for (int i = 0; i < 3; ++i) {
+                const IntegratedSignal integral =
+                    integrateTwice(second.row(i).transpose(), interval_, result_.trusted_from);
+                motion.theta.row(i) = integral.x.transpose().array() + rest_vector[i];
+                rate.row(i) = integral.v.transpose();
+            }
+            if (!(motion.theta.colwise().norm().maxCoeff() < largest_rotation))
+                throw InputError({recording_.file, 0, nameOf(part_)},
+                                 "the accelerations integrate to rotations of more than a quarter turn",
+                                 "displacements as well, or accelerations without content below the excited band");
+            const Eigen::Matrix3Xd w_before = motion.w;
+            motion.w = calcAngularVelocities(motion.theta, rate);
+            if (hasConverged(w_before)) break;
+        }
+        motion.acceleration_noise = estimateNoise(acceleration_, residuals, motion.a);
+        for (int i = 0; i < 3; ++i) {
+            const IntegratedSignal integral =
+                integrateTwice(motion.a.row(i).transpose(), interval_, result_.trusted_from);
+            motion.p.row(i) += integral.x.transpose();
+            motion.v.row(i) = integral.v.transpose();
+        }
+        note("no displacements recorded: accelerations integrated twice, zero-phase; displacements say nothing below " +
+             formatHertz(result_.trusted_from) + " (0.6 of the lowest excited frequency), no static offset either");
+    }
+
+    const Recording& recording_;
+    Part part_;
+    BodyMotion rest_;
+    double interval_;
+    PartEstimate result_;
+    bool from_velocity_ = false;
+    RigidFit displacement_;
+    RigidFit acceleration_;
+};
+
+}  // namespace
+
+PartEstimate estimatePart(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest) {
+    return PartEstimator(recording, model, part, rest).estimate();
+}
+
+PartEstimate estimateTranslation(const Recording& recording, const Eigen::Matrix3Xd& acceleration,
+                                 const BodyMotion& rest) {
+    PartEstimate estimate;
+    const double lowest = findSweptFrequency(recording).lowest;
+    estimate.motion = makeStandstill(rest, acceleration.cols());
+    PartMotion& motion = estimate.motion;
+    motion.acceleration_measured = true;
+    motion.a = acceleration;
+    motion.acceleration_noise = motion.displacement_noise = std::nan("");
+    estimate.trusted_to = 0.25 / recording.sampleInterval();
+    estimate.trusted_from = integration_margin * lowest;
+    if (lowest > 0) {
+        for (int i = 0; i < 3; ++i) {
+            const IntegratedSignal integral =
+                integrateTwice(acceleration.row(i).transpose(), recording.sampleInterval(), estimate.trusted_from);
+            motion.p.row(i) += integral.x.transpose();
+            motion.v.row(i) = integral.v.transpose();
+        }
+    }
+    estimate.notes.push_back(
+        "fixed part: no channels of its own, it follows the base; base acceleration integrated "
+        "twice, zero-phase, which says nothing below " +
+        formatHertz(estimate.trusted_from));
+    return estimate;
+}
+
+PartMotion makeStandstill(const BodyMotion& rest, Eigen::Index samples) {
+    PartMotion motion;
+    motion.p = rest.p_GM.replicate(1, samples);
+    motion.theta = vectorFromRotation(rest.R_GM).replicate(1, samples);
+    motion.v = motion.w = motion.a = motion.alpha = Eigen::Matrix3Xd::Zero(3, samples);
+    return motion;
+}
+
+BodyMotion findFixedRest(const MountModel& model, const StaticEquilibrium& equilibrium) {
+    BodyMotion rest;
+    if (model.bracket.empty()) return rest;
+    const FrameMotion frame =
+        Bracket(model.bracket).calcMotion(equilibrium.eta, Eigen::VectorXd::Zero(equilibrium.eta.size()));
+    rest.R_GM = frame.R_GF;
+    rest.p_GM = frame.p_GF;
+    return rest;
+}
+
+bool hasChannels(const Recording& recording, Part part) {
+    return std::any_of(recording.channels.begin(), recording.channels.end(), [part](const Channel& channel) {
+        const auto name = parseChannelName(channel.name);
+        return name && name->part == part;
+    });
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,244 @@
+#include "identify/motion/rigid_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "models/bryant.hpp"
+#include "models/error.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr int max_steps = 40;
+/// Steps below this (m, rad) end the iteration: convergence is quadratic but for a term of the residual's relative
+/// size.
+constexpr double step_tolerance = 1e-8;
+/// A rotation step (rad) above this is too far for Gauss–Newton to be trusted.
+constexpr double large_step = 0.3;
+
+/// Undoes the slow drift of a product of many rotations away from orthogonality: one Newton step of the polar factor.
+void orthonormalize(Eigen::Matrix3d& R) {
+    R = R * (1.5 * Eigen::Matrix3d::Identity() - 0.5 * R.transpose() * R).eval();
+}
+
+}  // namespace
+
+Eigen::MatrixXd makeDesign(const std::vector<MarkerChannel>& channels, const Eigen::Vector3d& origin, double length) {
+    Eigen::MatrixXd design(static_cast<Eigen::Index>(channels.size()), 6);
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        const Eigen::Vector3d e = Eigen::Vector3d::Unit(channels[i].axis);
+        const Eigen::Vector3d r = channels[i].position - origin;
+        design.row(static_cast<Eigen::Index>(i)) << e.transpose(), r.cross(e).transpose() / length;
+    }
+    return design;
+}
+
+RigidFit::RigidFit(ChannelSet set, const BodyMotion& rest)
+    : set_(std::move(set)), rest_(rest), triads_(set_.hasCompleteTriads()) {
+    rest_ends_.resize(set_.count());
+    for (int i = 0; i < set_.count(); ++i) {
+        const MarkerChannel& channel = set_.channels[static_cast<std::size_t>(i)];
+        rest_ends_[i] = (rest_.p_GM + rest_.R_GM * channel.position)[channel.axis];
+    }
+    findUndetermined();
+    if (!undetermined_.empty() || !triads_) return;
+    points_.resize(3, set_.count() / 3);
+    for (int i = 0; i < points_.cols(); ++i) points_.col(i) = set_.channels[static_cast<std::size_t>(3 * i)].position;
+    pseudo_inverse_ =
+        makeDesign(set_.channels, Eigen::Vector3d::Zero(), 1.0).completeOrthogonalDecomposition().pseudoInverse();
+}
+
+void RigidFit::findUndetermined() {
+    static const char* const names[] = {"translation x",    "translation y",    "translation z",
+                                        "rotation about x", "rotation about y", "rotation about z"};
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const MarkerChannel& channel : set_.channels) centre += channel.position / set_.count();
+    double length = 0;
+    for (const MarkerChannel& channel : set_.channels)
+        length += (channel.position - centre).squaredNorm() / set_.count();
+    length = std::sqrt(length);
+    if (!(length > 0)) length = 1;
+    Matrix6 normal = Matrix6::Zero();
+    if (!set_.empty()) {
+        const Eigen::MatrixXd design = makeDesign(set_.channels, centre, length);
+        normal = design.transpose() * design;
+    }
+    const Eigen::SelfAdjointEigenSolver<Matrix6> solver(normal);
+    // Singular value ratio 1e-3: noise of the lost motion would be a thousand times that of a channel.
+    const double limit = 1e-6 * std::max(solver.eigenvalues()[5], 1e-300);
+    for (int motion = 0; motion < 6; ++motion) {
+        double share = 0;
+        for (int j = 0; j < 6; ++j) {
+            if (solver.eigenvalues()[j] <= limit) share += std::pow(solver.eigenvectors()(motion, j), 2);
+        }
+        if (share > 0.05) undetermined_.emplace_back(names[motion]);
+    }
+}
+
+Eigen::Matrix<double, 6, 1> RigidFit::calcUnitDeviations() const {
+    const Eigen::MatrixXd design = makeDesign(set_.channels, Eigen::Vector3d::Zero(), 1.0);
+    const Matrix6 normal = design.transpose() * design;
+    return normal.inverse().diagonal().cwiseSqrt();
+}
+
+BodyMotion RigidFit::calcKabsch(const Eigen::Matrix3Xd& ends) const {
+    const Eigen::Vector3d centre = points_.rowwise().mean();
+    const Eigen::Vector3d end_centre = ends.rowwise().mean();
+    const Eigen::Matrix3d correlation = (ends.colwise() - end_centre) * (points_.colwise() - centre).transpose();
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Matrix3d U = svd.matrixU();
+    if (U.determinant() * svd.matrixV().determinant() < 0) U.col(2) = -U.col(2);
+    BodyMotion pose;
+    pose.R_GM = U * svd.matrixV().transpose();
+    pose.p_GM = end_centre - pose.R_GM * centre;
+    return pose;
+}
+
+bool RigidFit::refineTriads(const Eigen::Matrix3Xd& ends, BodyMotion& pose) const {
+    Eigen::Matrix3Xd error(3, points_.cols());
+    for (int step = 0; step < max_steps; ++step) {
+        error.noalias() = pose.R_GM.transpose() * (ends.colwise() - pose.p_GM);
+        error -= points_;
+        const Vector6 change = pseudo_inverse_ * Eigen::Map<const Eigen::VectorXd>(error.data(), error.size());
+        const Eigen::Vector3d turn = change.tail<3>();
+        if (!(turn.norm() < large_step)) return false;
+        pose.p_GM += pose.R_GM * change.head<3>();
+        pose.R_GM = pose.R_GM * rotationFromVector(turn);
+        if (change.cwiseAbs().maxCoeff() < step_tolerance) {
+            orthonormalize(pose.R_GM);
+            return true;
+        }
+    }
+    return false;
+}
+
+Eigen::Vector3d RigidFit::calcRow(int channel, const Eigen::Matrix3d& R) const {
+    const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(channel)];
+    return (R * marker.position).cross(Eigen::Vector3d::Unit(marker.axis));
+}
+
+bool RigidFit::refineRows(const Eigen::Ref<const Eigen::VectorXd>& ends, BodyMotion& pose) const {
+    for (int step = 0; step < max_steps; ++step) {
+        Matrix6 normal = Matrix6::Zero();
+        Vector6 right = Vector6::Zero();
+        for (int i = 0; i < set_.count(); ++i) {
+            const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(i)];
+            Vector6 row;
+            row << Eigen::Vector3d::Unit(marker.axis), calcRow(i, pose.R_GM);
+            const double error = ends[i] - (pose.p_GM + pose.R_GM * marker.position)[marker.axis];
+            normal.noalias() += row * row.transpose();
+            right += error * row;
+        }
+        const Vector6 change = normal.ldlt().solve(right);
+        if (!change.allFinite()) return false;
+        const double share = std::min(1.0, large_step / std::max(change.tail<3>().norm(), 1e-300));
+        pose.p_GM += share * change.head<3>();
+        pose.R_GM = rotationFromVector(share * change.tail<3>()) * pose.R_GM;
+        if (change.cwiseAbs().maxCoeff() < step_tolerance) {
+            orthonormalize(pose.R_GM);
+            return true;
+        }
+    }
+    return false;
+}
+
+void RigidFit::solvePoses(Eigen::Matrix3Xd& p, Eigen::Matrix3Xd& theta, Eigen::MatrixXd* residuals) const {
+    const Eigen::Index samples = set_.values.cols();
+    p.resize(3, samples);
+    theta.resize(3, samples);
+    if (residuals) residuals->resize(set_.count(), samples);
+    BodyMotion pose = rest_;
+    Eigen::Vector3d advance = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+    Eigen::Matrix3Xd ends(3, points_.cols());
+    Eigen::VectorXd channel_ends(set_.count());
+    for (Eigen::Index k = 0; k < samples; ++k) {
+        channel_ends = rest_ends_ + set_.values.col(k);
+        bool converged = false;
+        if (triads_) {
+            ends = Eigen::Map<const Eigen::Matrix3Xd>(channel_ends.data(), 3, points_.cols());
+            if (k == 0) pose = calcKabsch(ends);
+            // Straight on from the two samples before: one step fewer.
+            const BodyMotion before = pose;
+            pose.p_GM += advance;
+            pose.R_GM = pose.R_GM * turn;
+            converged = refineTriads(ends, pose);
+            advance = pose.p_GM - before.p_GM;
+            turn = before.R_GM.transpose() * pose.R_GM;
+            if (!converged) {
+                pose = calcKabsch(ends);
+                converged = refineTriads(ends, pose);
+                advance.setZero();
+                turn.setIdentity();
+            }
+        } else {
+            converged = refineRows(channel_ends, pose);
+            if (!converged) {
+                pose = rest_;
+                converged = refineRows(channel_ends, pose);
+            }
+        }
+        if (!converged)
+            throw InputError(
+                {set_.file, 0, set_.channels.front().name},
+                "sample " + std::to_string(k + 1) + ": no rigid motion fits the displacement channels of this part");
+        p.col(k) = pose.p_GM;
+        theta.col(k) = vectorFromRotation(pose.R_GM);
+        if (!residuals) continue;
+        for (int i = 0; i < set_.count(); ++i) {
+            const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(i)];
+            (*residuals)(i, k) =
+                channel_ends[i] - pose.p_GM[marker.axis] - pose.R_GM.row(marker.axis).dot(marker.position);
+        }
+    }
+}
+
+void RigidFit::solveAccelerations(const Eigen::Matrix3Xd& theta, const Eigen::Matrix3Xd& w, Eigen::Matrix3Xd& a,
+                                  Eigen::Matrix3Xd& alpha, Eigen::MatrixXd* residuals) const {
+    const Eigen::Index samples = set_.values.cols();
+    a.resize(3, samples);
+    alpha.resize(3, samples);
+    if (residuals) residuals->resize(set_.count(), samples);
+    Eigen::Matrix3Xd field(3, points_.cols());
+    Eigen::VectorXd reduced(set_.count());
+    for (Eigen::Index k = 0; k < samples; ++k) {
+        const Eigen::Matrix3d R = rotationFromVector(theta.col(k));
+        if (triads_) {
+            const Eigen::Vector3d w_body = R.transpose() * w.col(k);
+            const Eigen::Matrix3d W = crossMatrix(w_body);
+            field.noalias() =
+                R.transpose() * Eigen::Map<const Eigen::Matrix3Xd>(set_.values.col(k).data(), 3, points_.cols());
+            field.noalias() -= (W * W) * points_;
+            const Vector6 solution = pseudo_inverse_ * Eigen::Map<const Eigen::VectorXd>(field.data(), field.size());
+            a.col(k) = R * solution.head<3>();
+            alpha.col(k) = R * solution.tail<3>();
+        } else {
+            Matrix6 normal = Matrix6::Zero();
+            Vector6 right = Vector6::Zero();
+            for (int i = 0; i < set_.count(); ++i) {
+                const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(i)];
+                Vector6 row;
+                row << Eigen::Vector3d::Unit(marker.axis), calcRow(i, R);
+                const Eigen::Vector3d r = R * marker.position;
+                const double value = set_.values(i, k) - w.col(k).cross(w.col(k).cross(r))[marker.axis];
+                normal.noalias() += row * row.transpose();
+                right += value * row;
+            }
+            const Vector6 solution = normal.ldlt().solve(right);
+            a.col(k) = solution.head<3>();
+            alpha.col(k) = solution.tail<3>();
+        }
+        if (!residuals) continue;
+        const Eigen::Matrix3d A = crossMatrix(alpha.col(k)), W = crossMatrix(w.col(k));
+        const Eigen::Matrix3d field_matrix = (A + W * W) * R;
+        for (int i = 0; i < set_.count(); ++i) {
+            const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(i)];
+            (*residuals)(i, k) =
+                set_.values(i, k) - a(marker.axis, k) - field_matrix.row(marker.axis).dot(marker.position);
+        }
+    }
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,93 @@
+#include "identify/motion/spectrum.hpp"
+
+#include <fftw3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <vector>
+
+namespace wems::identify {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+struct PlanDeleter {
+    void operator()(fftw_plan_s* plan) const { fftw_destroy_plan(plan); }
+};
+using Plan = std::unique_ptr<fftw_plan_s, PlanDeleter>;
+
+using Complex = std::complex<double>;
+
+fftw_complex* asFftw(std::vector<Complex>& values) {
+    return reinterpret_cast<fftw_complex*>(values.data());
+}
+
+std::size_t nextPowerOfTwo(std::size_t n) {
+    std::size_t power = 1;
+    while (power < n) power *= 2;
+    return power;
+}
+
+}  // namespace
+
+Spectrum calcSpectrum(const Eigen::VectorXd& signal, double interval, int segment) {
+    const auto samples = static_cast<std::size_t>(signal.size());
+    const std::size_t length = std::min(static_cast<std::size_t>(segment), nextPowerOfTwo(samples + 1) / 2);
+    std::vector<double> block(length), window(length);
+    double window_power = 0;
+    for (std::size_t i = 0; i < length; ++i) {
+        window[i] = 0.5 - 0.5 * std::cos(2 * pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
+        window_power += window[i] * window[i];
+    }
+    const auto bins = static_cast<Eigen::Index>(length / 2 + 1);
+    std::vector<Complex> transform(length / 2 + 1);
+    const Plan plan(fftw_plan_dft_r2c_1d(static_cast<int>(length), block.data(), asFftw(transform), FFTW_ESTIMATE));
+    Spectrum spectrum;
+    spectrum.frequency = Eigen::VectorXd::LinSpaced(bins, 0, 0.5 / interval);
+    spectrum.density = Eigen::VectorXd::Zero(bins);
+    int count = 0;
+    for (std::size_t start = 0; start + length <= samples; start += std::max<std::size_t>(1, length / 2), ++count) {
+        double mean = 0;
+        for (std::size_t i = 0; i < length; ++i)
+            mean += signal[static_cast<Eigen::Index>(start + i)] / static_cast<double>(length);
+        for (std::size_t i = 0; i < length; ++i)
+            block[i] = window[i] * (signal[static_cast<Eigen::Index>(start + i)] - mean);
+        fftw_execute(plan.get());
+        for (Eigen::Index i = 0; i < bins; ++i)
+            spectrum.density[i] += std::norm(transform[static_cast<std::size_t>(i)]);
+    }
+    spectrum.density *= 2 * interval / (window_power * count);
+    return spectrum;
+}
+
+IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double interval, double lowest) {
+    const auto samples = static_cast<std::size_t>(acceleration.size());
+    // Padding long enough for what the high pass rings to die out before it wraps around.
+    const std::size_t length = nextPowerOfTwo(
+        samples + static_cast<std::size_t>(std::min(8 / (lowest * interval), 4.0 * static_cast<double>(samples))));
+    std::vector<double> signal(length, 0.0);
+    std::copy(acceleration.data(), acceleration.data() + samples, signal.begin());
+    std::vector<Complex> transform(length / 2 + 1), product(length / 2 + 1);
+    const Plan forward(fftw_plan_dft_r2c_1d(static_cast<int>(length), signal.data(), asFftw(transform), FFTW_ESTIMATE));
+    const Plan backward(fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(product), signal.data(), FFTW_ESTIMATE));
+    fftw_execute(forward.get());
+    IntegratedSignal result;
+    for (const int order : {1, 2}) {
+        for (std::size_t i = 0; i < product.size(); ++i) {
+            const double f = static_cast<double>(i) / (static_cast<double>(length) * interval);
+            const double ramp = std::clamp((f / lowest - 2.0 / 3) * 3, 0.0, 1.0);
+            const double gain = 0.5 - 0.5 * std::cos(pi * ramp);
+            const Complex s(0, 2 * pi * f);
+            const Complex factor = gain == 0 ? Complex(0) : (order == 1 ? gain / s : gain / (s * s));
+            product[i] = transform[i] * factor / static_cast<double>(length);
+        }
+        fftw_execute(backward.get());
+        (order == 1 ? result.v : result.x) =
+            Eigen::Map<const Eigen::VectorXd>(signal.data(), static_cast<Eigen::Index>(samples));
+    }
+    return result;
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,26 @@
+/// @file
+/// Power spectral density of a signal, and double integration in the frequency domain.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace wems::identify {
+
+struct Spectrum {
+    Eigen::VectorXd frequency;  ///< Hz, from 0 to half the sampling rate
+    Eigen::VectorXd density;    ///< unit²/Hz, one-sided
+};
+
+/// Welch's method: Hann segments with half overlap, at most `segment` samples each (a power of two).
+Spectrum calcSpectrum(const Eigen::VectorXd& signal, double interval, int segment = 8192);
+
+struct IntegratedSignal {
+    Eigen::VectorXd v, x;
+};
+
+/// Integrates an acceleration once and twice, zero-phase, with a high pass whose gain rises from 0 at
+/// 2/3 of `lowest` to 1 at `lowest` (Hz) as a raised cosine: exact from there on. The signal is continued by zeros, so
+/// the recording should begin and end at rest.
+IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double interval, double lowest);
+
+}  // namespace wems::identify

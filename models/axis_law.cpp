@@ -1,0 +1,196 @@
+#include "models/axis_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/format_number.hpp"
+#include "models/structural_damping.hpp"
+
+namespace wems {
+namespace {
+
+std::optional<LawProblem> findNonFinite(const std::string& key, double value) {
+    if (std::isfinite(value)) return std::nullopt;
+    return LawProblem{key, "is " + formatNumber(value), "a finite number"};
+}
+
+std::optional<LawProblem> findNegative(const std::string& key, double value, const std::string& unit) {
+    if (std::isfinite(value) && value >= 0) return std::nullopt;
+    return LawProblem{key, "is " + formatNumber(value), "a number from 0 on" + unit};
+}
+
+std::optional<LawProblem> findNotPositive(const std::string& key, double value, const std::string& unit) {
+    if (std::isfinite(value) && value > 0) return std::nullopt;
+    return LawProblem{key, "is " + formatNumber(value), "a number above 0" + unit};
+}
+
+std::optional<LawProblem> findStopProblem(const Stop& stop, const std::string& prefix) {
+    if (auto p = findNotPositive(prefix + "clearance", stop.clearance, ", m")) return p;
+    if (auto p = findNonFinite(prefix + "stiffness", stop.stiffness)) return p;
+    return findNegative(prefix + "dissipation", stop.dissipation, ", s/m");
+}
+
+std::optional<LawProblem> findFrictionProblem(const Friction& friction) {
+    if (auto p = findNegative("friction.force", friction.force, ", N")) return p;
+    if (auto p = findNotPositive("friction.transition_velocity", friction.transition_velocity, ", m/s")) return p;
+    if (!friction.presliding_stiffness) return std::nullopt;
+    return findNotPositive("friction.presliding_stiffness", *friction.presliding_stiffness, ", N/m");
+}
+
+}  // namespace
+
+std::optional<LawProblem> findProblem(const AxisLaw& law) {
+    if (auto p = findNegative("stiffness", law.stiffness, ", N/m")) return p;
+    if (auto p = findNegative("damping", law.damping, ", N s/m")) return p;
+    if (auto p = findNonFinite("offset", law.offset)) return p;
+    if (auto p = findNonFinite("cubic", law.cubic)) return p;
+    if (auto p = findNegative("loss_factor", law.loss_factor, "")) return p;
+    if (law.loss_factor >= largestLossFactor()) {
+        return LawProblem{"loss_factor", "is " + formatNumber(law.loss_factor),
+                          "0 to below " + formatNumber(largestLossFactor(), 3) +
+                              ", since its Maxwell branches would leave no static stiffness"};
+    }
+    if (auto p = findNonFinite("drift", law.drift)) return p;
+    if (law.relaxation) {
+        if (auto p = findNegative("relaxation.stiffness_ratio", law.relaxation->stiffness_ratio, "")) return p;
+        if (auto p = findNotPositive("relaxation.time_constant", law.relaxation->time_constant, ", s")) return p;
+    }
+    if (law.friction) {
+        if (auto p = findFrictionProblem(*law.friction)) return p;
+    }
+    for (std::size_t i = 0; i < law.stops.size(); ++i) {
+        if (auto p = findStopProblem(law.stops[i], "stops[" + std::to_string(i) + "].")) return p;
+    }
+    return std::nullopt;
+}
+
+AxisForce::AxisForce(const AxisLaw& law) : law_(law), static_stiffness_(law.stiffness) {
+    if (law.relaxation) {
+        branches_.push_back({law.relaxation->stiffness_ratio * law.stiffness, law.relaxation->time_constant});
+    }
+    if (law.loss_factor > 0) {
+        const double loss_modulus = law.loss_factor * law.stiffness;
+        for (const MaxwellBranch& unit : structuralBranches().branch) {
+            branches_.push_back({loss_modulus * unit.stiffness, unit.time_constant});
+        }
+        static_stiffness_ -= loss_modulus * structuralBranches().storage_in_middle;
+    }
+    for (const Stop& stop : law.stops) {
+        contacts_.push_back(
+            {stop.side == Side::positive ? 1.0 : -1.0, stop.clearance, stop.stiffness, stop.dissipation});
+    }
+    if (law.friction) {
+        friction_force_ = law.friction->force;
+        transition_velocity_ = law.friction->transition_velocity;
+        presliding_stiffness_ = law.friction->presliding_stiffness.value_or(0);
+        bristle_ = law.friction->presliding_stiffness.has_value();
+        sliding_ = !bristle_;
+    }
+}
+
+bool AxisForce::isElastic() const {
+    const bool lossy_stop =
+        std::any_of(contacts_.begin(), contacts_.end(), [](const Contact& stop) { return stop.dissipation != 0; });
+    return law_.damping == 0 && law_.drift == 0 && !law_.friction && branches_.empty() && !lossy_stop;
+}
+
+double AxisForce::calcForce(double q, double v, double t, const double* z) const {
+    double f = (calcElastomerStiffness(t) + law_.cubic * q * q) * q + law_.damping * v;
+    for (const Contact& stop : contacts_) {
+        const double penetration = calcPenetration(stop, q);
+        if (penetration > 0) {
+            const double factor = 1 + stop.dissipation * stop.direction * v;
+            f += stop.direction * stop.stiffness * penetration * std::max(0.0, factor);
+        }
+    }
+    if (sliding_) f += friction_force_ * std::tanh(v / transition_velocity_);
+    for (const MaxwellBranch& branch : branches_) f += branch.stiffness * (q - *z++);
+    if (bristle_) f += presliding_stiffness_ * *z;
+    return f;
+}
+
+double AxisForce::calcStiffness(double q, double v, double t, const double*) const {
+    double stiffness = calcElastomerStiffness(t) + 3 * law_.cubic * q * q;
+    for (const Contact& stop : contacts_) {
+        if (calcPenetration(stop, q) > 0) {
+            stiffness += stop.stiffness * std::max(0.0, 1 + stop.dissipation * stop.direction * v);
+        }
+    }
+    for (const MaxwellBranch& branch : branches_) stiffness += branch.stiffness;
+    return stiffness;
+}
+
+double AxisForce::calcDamping(double q, double v, double, const double*) const {
+    double damping = law_.damping;
+    for (const Contact& stop : contacts_) {
+        const double penetration = calcPenetration(stop, q);
+        if (penetration > 0 && 1 + stop.dissipation * stop.direction * v > 0) {
+            damping += stop.stiffness * penetration * stop.dissipation;
+        }
+    }
+    if (sliding_) {
+        const double tanh = std::tanh(v / transition_velocity_);
+        damping += friction_force_ / transition_velocity_ * (1 - tanh * tanh);
+    }
+    return damping;
+}
+
+double AxisForce::calcPotential(double q, double t, const double* z) const {
+    double energy = 0.5 * calcElastomerStiffness(t) * q * q + 0.25 * law_.cubic * q * q * q * q;
+    for (const Contact& stop : contacts_) {
+        const double penetration = std::max(0.0, calcPenetration(stop, q));
+        energy += 0.5 * stop.stiffness * penetration * penetration;
+    }
+    for (const MaxwellBranch& branch : branches_) {
+        const double stretch = q - *z++;
+        energy += 0.5 * branch.stiffness * stretch * stretch;
+    }
+    if (bristle_) energy += 0.5 * presliding_stiffness_ * *z * *z;
+    return energy;
+}
+
+double AxisForce::calcDissipatedPower(double q, double v, double, const double* z) const {
+    double power = law_.damping * v * v;
+    for (const Contact& stop : contacts_) {
+        const double penetration = calcPenetration(stop, q);
+        if (penetration > 0) {
+            const double rate = stop.direction * v;
+            power += stop.stiffness * penetration * rate * std::max(-1.0, stop.dissipation * rate);
+        }
+    }
+    if (sliding_) power += friction_force_ * v * std::tanh(v / transition_velocity_);
+    for (const MaxwellBranch& branch : branches_) {
+        const double stretch = q - *z++;
+        power += branch.stiffness * stretch * stretch / branch.time_constant;
+    }
+    if (bristle_ && friction_force_ > 0) {
+        const double force = presliding_stiffness_ * *z;
+        power += std::abs(v) * force * force / friction_force_;
+    }
+    return power;
+}
+
+void AxisForce::calcStateDerivative(double q, double v, const double* z, double* zdot) const {
+    for (const MaxwellBranch& branch : branches_) *zdot++ = (q - *z++) / branch.time_constant;
+    if (!bristle_) return;
+    // Without any sliding force the bristle never stretches.
+    *zdot = friction_force_ > 0 ? v - std::abs(v) * presliding_stiffness_ * *z / friction_force_ : 0.0;
+}
+
+double AxisForce::calcStaticForce(double q) const {
+    double f = (static_stiffness_ + law_.cubic * q * q) * q;
+    for (const Contact& stop : contacts_) {
+        f += stop.direction * stop.stiffness * std::max(0.0, calcPenetration(stop, q));
+    }
+    return f;
+}
+
+double AxisForce::calcStaticStiffness(double q) const {
+    double stiffness = static_stiffness_ + 3 * law_.cubic * q * q;
+    for (const Contact& stop : contacts_) {
+        if (calcPenetration(stop, q) > 0) stiffness += stop.stiffness;
+    }
+    return stiffness;
+}
+
+}  // namespace wems

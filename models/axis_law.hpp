@@ -1,0 +1,150 @@
+/// @file
+/// The force law of one axis of a connection: elastomer, stops, and every mechanism that a diagnosis may add.
+///
+/// With q the relative displacement (m) from rest, v = dq/dt (m/s), t the time since the start of the recording (s):
+///
+///     f(q, v, z, t) = k (1 + d t) q                      elastomer, drifting
+///                   + k_c q^3                            smooth hardening or softening
+///                   + c v                                dashpot
+///                   + F tanh(v / v_t)                    dry friction (no presliding)
+///                   + Σ_b g_b k (q − z_b)                Maxwell branches (relaxation, structural damping)
+///                   + Σ_stops                            see below
+///
+/// A stop on side + with clearance c and its own stiffness k_s, the rest position being off the middle of the gap by
+/// the offset o, is penetrated by δ = q + o − c; on side − by δ = −(q + o) − c. It adds, for δ > 0 only,
+///
+///     ± k_s δ max(0, 1 + χ δ')                           Hunt–Crossley with exponent 1, never pulls
+///
+/// Each Maxwell branch has one internal state z_b (m), the displacement of its dashpot: z_b' = (q − z_b) / τ_b.
+/// Structural damping with loss factor η is a set of branches whose loss modulus is nearly constant over
+/// `structuralBand()`, the static stiffness lowered so that the storage modulus is k at the band's geometric middle.
+/// The branches take that stiffness from the static one, so that η has an upper limit, `largestLossFactor()`.
+///
+/// Sign: f is the force that the law opposes to q, so that f = +k q; the mobile part receives −f.
+/// Continuity: f is C⁰ in q (C¹ but at the stops) and C⁰ in v; the derivatives at a kink are those from outside the
+/// stop. Sources: trilinear law, Noël, Kerschen, Newerla (IMAC XXX, 2012), eq. (11); Hunt, Crossley (1975),
+/// doi:10.1115/1.3423596; generalized Maxwell model, Lakes, Viscoelastic Materials (2009), ch. 2.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace wems {
+
+enum class Side { positive, negative };
+
+/// A mechanical stop with clearance.
+struct Stop {
+    Side side = Side::positive;
+    double clearance = 0;  ///< m, > 0, from the middle of the gap
+    double stiffness = 0;  ///< N/m, the stop's own, added to the elastomer's; negative values describe a softening law
+    double dissipation = 0;  ///< χ, s/m, ≥ 0
+};
+
+/// One Maxwell branch (Zener solid together with the elastomer).
+struct Relaxation {
+    double stiffness_ratio = 0;  ///< branch stiffness over the static one, ≥ 0
+    double time_constant = 0;    ///< s, > 0
+};
+
+/// Dry friction. Without `presliding_stiffness` F tanh(v / v_t). With it, an elasto-plastic (Dahl/Prandtl-like) law
+/// with one internal state, the bristle deflection s (m): force σ s, s' = v (1 − sign(v) σ s / F), |σ s| ≤ F.
+struct Friction {
+    double force = 0;                            ///< F, N, ≥ 0, the sliding level
+    double transition_velocity = 1e-3;           ///< v_t, m/s, > 0
+    std::optional<double> presliding_stiffness;  ///< σ, N/m, > 0
+};
+
+/// All that acts along one mount axis of one connection. Default-constructed: no force at all.
+struct AxisLaw {
+    double stiffness = 0;    ///< k, N/m, ≥ 0
+    double damping = 0;      ///< c, N s/m, ≥ 0
+    double offset = 0;       ///< o, m, rest position minus the middle of the gap
+    double cubic = 0;        ///< k_c, N/m^3
+    double loss_factor = 0;  ///< η, -, ≥ 0
+    double drift = 0;        ///< d, 1/s
+    std::optional<Relaxation> relaxation;
+    std::optional<Friction> friction;
+    std::vector<Stop> stops;
+};
+
+/// First key (relative to the axis table, such as `stops[1].clearance`) whose value is out of its range, with the
+/// value and the range; nullopt if the law is usable.
+struct LawProblem {
+    std::string key;
+    std::string problem;
+    std::string accepted;
+};
+std::optional<LawProblem> findProblem(const AxisLaw& law);
+
+/// Frequencies (Hz) between which structural damping has a nearly constant loss factor.
+struct Band {
+    double lower, upper;
+};
+Band structuralBand();
+/// Loss factors from here on would leave no static stiffness.
+double largestLossFactor();
+
+/// One Maxwell branch as the force law uses it: stiffness g·k (N/m) and time constant (s).
+struct MaxwellBranch {
+    double stiffness;
+    double time_constant;
+};
+
+/// An axis law prepared for evaluation: derived constants computed once. Cheap to evaluate, no allocation.
+class AxisForce {
+public:
+    explicit AxisForce(const AxisLaw& law);
+
+    const AxisLaw& law() const { return law_; }
+
+    /// Number of internal states: Maxwell branches first, then the bristle deflection if friction has presliding.
+    int stateCount() const { return static_cast<int>(branches_.size()) + (bristle_ ? 1 : 0); }
+
+    /// True if the force depends on nothing but q (no damping, no states, no dissipation, no drift).
+    bool isElastic() const;
+
+    /// f (N). @param z stateCount() internal states (m), may be null if there are none.
+    double calcForce(double q, double v, double t, const double* z) const;
+
+    /// ∂f/∂q and ∂f/∂v at fixed states, N/m and N s/m.
+    double calcStiffness(double q, double v, double t, const double* z) const;
+    double calcDamping(double q, double v, double t, const double* z) const;
+
+    /// Recoverable energy (J): elastomer, cubic term, stops, springs of the branches and bristle.
+    double calcPotential(double q, double t, const double* z) const;
+
+    /// Power lost to heat (W), ≥ 0: f v − d/dt potential, the explicit time dependence (drift) excluded.
+    double calcDissipatedPower(double q, double v, double t, const double* z) const;
+
+    /// z' into `zdot` (m/s).
+    void calcStateDerivative(double q, double v, const double* z, double* zdot) const;
+
+    /// The static part alone: elastomer with its static stiffness at t = 0, cubic term, stops; states relaxed.
+    double calcStaticForce(double q) const;
+    double calcStaticStiffness(double q) const;
+
+    const std::vector<MaxwellBranch>& branches() const { return branches_; }
+
+private:
+    // A stop along its own direction: δ = direction · (q + o) − c.
+    struct Contact {
+        double direction, clearance, stiffness, dissipation;
+    };
+    // Penetration if there is contact, otherwise not positive.
+    double calcPenetration(const Contact& stop, double q) const {
+        return stop.direction * (q + law_.offset) - stop.clearance;
+    }
+    // Static elastomer stiffness, drift included: the drift changes the static part by d t k.
+    double calcElastomerStiffness(double t) const { return static_stiffness_ + law_.stiffness * law_.drift * t; }
+
+    AxisLaw law_;
+    std::vector<MaxwellBranch> branches_;
+    std::vector<Contact> contacts_;
+    double static_stiffness_ = 0;
+    double friction_force_ = 0, transition_velocity_ = 1, presliding_stiffness_ = 0;
+    bool bristle_ = false, sliding_ = false;
+};
+
+}  // namespace wems

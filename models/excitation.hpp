@@ -1,0 +1,38 @@
+/// @file
+/// Excitation signals as pure functions of time: value, phase and instantaneous frequency.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace wems {
+
+/// A signal of unit amplitude. Zero outside [0, duration()].
+class Signal {
+public:
+    virtual ~Signal() = default;
+    virtual double duration() const = 0;       ///< s
+    virtual double value(double t) const = 0;  ///< -, within ±1 (random: unit RMS)
+    virtual double phase(double t) const = 0;  ///< rad; of a random signal 0
+    virtual double frequency(
+        double t) const = 0;  ///< instantaneous frequency, Hz; of a random signal its upper band limit
+};
+
+/// Raised-cosine fade at start and end, s.
+struct Fade {
+    double start = 0, end = 0;
+};
+
+/// f(t) = f0 2^(r t), phase 2π f0 (2^(r t) − 1) / (r ln 2), r = rate/60 octaves per second; f1 < f0 sweeps downwards.
+/// @throws InputError on frequencies or rate that are not positive, or equal frequencies.
+std::unique_ptr<Signal> makeLogarithmicSweep(double f0, double f1, double octaves_per_minute, Fade fade = {});
+/// f(t) = f0 ± rate t, Hz per second.
+std::unique_ptr<Signal> makeLinearSweep(double f0, double f1, double hertz_per_second, Fade fade = {});
+std::unique_ptr<Signal> makeDwell(double frequency, double duration, Fade fade = {});
+/// Stationary Gaussian noise in a band: a sum of sines with random phases from the seed, unit RMS; same seed, same
+/// signal.
+std::unique_ptr<Signal> makeBandLimitedRandom(double f0, double f1, double duration, std::uint64_t seed,
+                                              Fade fade = {});
+
+}  // namespace wems

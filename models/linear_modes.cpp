@@ -1,0 +1,166 @@
+#include "models/linear_modes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "models/bryant.hpp"
+#include "models/error.hpp"
+#include "models/format_number.hpp"
+#include "models/mount_forces.hpp"
+
+namespace wems {
+namespace {
+
+constexpr double two_pi = 6.283185307179586;
+
+/// Exact kinematics about rest, with the forces of one axis linear in its displacement.
+class RestNeighbourhood {
+public:
+    RestNeighbourhood(const MountModel& model, double omega)
+        : model_(model), bracket_(model.bracket), rest_(findStaticEquilibrium(model)) {
+        if (rest_.eta.size() == 0) rest_.eta = Eigen::VectorXd::Zero(bracket_.modeCount());
+        const MountForces laws(model);
+        const Eigen::Index connections = laws.connectionCount();
+        for (auto* values : {&rest_q_, &rest_force_, &stiffness_, &damping_}) values->resize(3, connections);
+        for (int i = 0; i < laws.connectionCount(); ++i) {
+            rest_q_.col(i) = calcDisplacement(i, Eigen::VectorXd::Zero(size()));
+            for (int k = 0; k < 3; ++k) {
+                const AxisForce& axis = laws.axis(i, k);
+                const double q = rest_q_(k, i);
+                const double* z = rest_.states.data() + laws.stateOffset(i, k);
+                rest_force_(k, i) = axis.calcStaticForce(q);
+                stiffness_(k, i) = axis.calcStaticStiffness(q);
+                damping_(k, i) = axis.calcDamping(q, 0, 0, z);
+                const auto& friction = axis.law().friction;
+                if (friction && friction->presliding_stiffness) stiffness_(k, i) += *friction->presliding_stiffness;
+                for (const MaxwellBranch& branch : axis.branches()) {
+                    const double product = omega * branch.time_constant;
+                    stiffness_(k, i) += branch.stiffness * product * product / (1 + product * product);
+                    damping_(k, i) += branch.stiffness * branch.time_constant / (1 + product * product);
+                }
+            }
+        }
+    }
+
+    Eigen::Index size() const { return 6 + bracket_.modeCount(); }
+    int connectionCount() const { return static_cast<int>(rest_q_.cols()); }
+    const Eigen::Matrix3d& restRotation() const { return rest_.mobile.R_GM; }
+    Eigen::Vector3d damping(int connection) const { return damping_.col(connection); }
+
+    /// q of a connection, F axes, after a small motion x from rest.
+    Eigen::Vector3d calcDisplacement(int connection, const Eigen::VectorXd& x) const {
+        return calcRelativeMotion(moveMobile(x), moveFixed(x), position(connection)).q;
+    }
+
+    /// Generalized forces that pull back to rest.
+    Eigen::VectorXd calcRestoringForce(const Eigen::VectorXd& x) const {
+        const BodyMotion mobile = moveMobile(x);
+        const FrameMotion fixed = moveFixed(x);
+        const Eigen::Vector3d weight = model_.body.mass * model_.gravity;
+        Eigen::VectorXd force = Eigen::VectorXd::Zero(size());
+        force.head<3>() = -weight;
+        force.segment<3>(3) = -(mobile.R_GM * model_.body.center_of_gravity).cross(weight);
+        Wrench on_fixed;
+        for (int i = 0; i < connectionCount(); ++i) {
+            const Eigen::Vector3d q = calcRelativeMotion(mobile, fixed, position(i)).q;
+            const Eigen::Vector3d f_F =
+                rest_force_.col(i) + Eigen::Vector3d(stiffness_.col(i)).cwiseProduct(q - rest_q_.col(i));
+            const Eigen::Vector3d f_G = fixed.R_GF * f_F;
+            const Eigen::Vector3d arm = mobile.R_GM * position(i);
+            force.head<3>() += f_G;
+            force.segment<3>(3) += arm.cross(f_G);
+            on_fixed.force += f_G;
+            on_fixed.moment += (mobile.p_GM + arm - fixed.p_GF).cross(f_G);
+        }
+        const Eigen::VectorXd eta = rest_.eta + x.tail(bracket_.modeCount());
+        Eigen::VectorXd modal(eta.size());
+        bracket_.calcAccelerations(eta, Eigen::VectorXd::Zero(eta.size()), on_fixed, Eigen::Vector3d::Zero(),
+                                   Eigen::Vector3d::Zero(), modal);
+        force.tail(eta.size()) = -modal;
+        return force;
+    }
+
+private:
+    const Eigen::Vector3d& position(int connection) const {
+        return model_.connections[static_cast<std::size_t>(connection)].position;
+    }
+    BodyMotion moveMobile(const Eigen::VectorXd& x) const {
+        BodyMotion mobile = rest_.mobile;
+        mobile.p_GM += x.head<3>();
+        mobile.R_GM = rotationFromVector(x.segment<3>(3)) * mobile.R_GM;
+        return mobile;
+    }
+    FrameMotion moveFixed(const Eigen::VectorXd& x) const {
+        const Eigen::VectorXd eta = rest_.eta + x.tail(bracket_.modeCount());
+        return bracket_.calcMotion(eta, Eigen::VectorXd::Zero(eta.size()));
+    }
+
+    const MountModel& model_;
+    Bracket bracket_;
+    StaticEquilibrium rest_;
+    Eigen::Matrix3Xd rest_q_, rest_force_, stiffness_, damping_;
+};
+
+/// Columns: central differences of `function` along each coordinate. The functions are smooth; the step is large
+/// against rounding and its square small.
+template <class Function>
+Eigen::MatrixXd differentiate(const Function& function, Eigen::Index size) {
+    constexpr double step = 1e-5;  // m, rad, kg^1/2 m
+    Eigen::MatrixXd jacobian;
+    for (Eigen::Index j = 0; j < size; ++j) {
+        const Eigen::VectorXd delta = step * Eigen::VectorXd::Unit(size, j);
+        const Eigen::VectorXd column = (function(delta) - function(-delta)) / (2 * step);
+        if (j == 0) jacobian.resize(column.size(), size);
+        jacobian.col(j) = column;
+    }
+    return jacobian;
+}
+
+}  // namespace
+
+LinearSystem linearize(const MountModel& model, double reference_frequency) {
+    const RestNeighbourhood rest(model, two_pi * reference_frequency);
+    const Eigen::Index n = rest.size();
+    LinearSystem system;
+
+    const Eigen::Matrix3d R = rest.restRotation();
+    const Eigen::Matrix3d arm = crossMatrix(R * model.body.center_of_gravity);
+    system.mass = Eigen::MatrixXd::Identity(n, n);
+    system.mass.topLeftCorner<3, 3>() *= model.body.mass;
+    system.mass.block<3, 3>(0, 3) = -model.body.mass * arm;
+    system.mass.block<3, 3>(3, 0) = model.body.mass * arm;
+    system.mass.block<3, 3>(3, 3) = R * model.body.inertia * R.transpose() - model.body.mass * arm * arm;
+
+    const Eigen::MatrixXd stiffness =
+        differentiate([&](const Eigen::VectorXd& x) { return rest.calcRestoringForce(x); }, n);
+    system.stiffness = 0.5 * (stiffness + stiffness.transpose());  // symmetric but for rounding
+
+    system.damping = Eigen::MatrixXd::Zero(n, n);
+    for (int i = 0; i < rest.connectionCount(); ++i) {
+        system.ends.push_back(
+            differentiate([&](const Eigen::VectorXd& x) { return Eigen::VectorXd(rest.calcDisplacement(i, x)); }, n));
+        system.damping += system.ends.back().transpose() * rest.damping(i).asDiagonal() * system.ends.back();
+    }
+    system.damping.block<3, 3>(3, 3) -= crossMatrix(R * model.body.spin);  // moment −ω × h on the body
+
+    system.load = Eigen::MatrixXd::Zero(n, 3);
+    for (Eigen::Index j = 6; j < n; ++j) {
+        const BracketMode& mode = model.bracket[static_cast<std::size_t>(j - 6)];
+        system.damping(j, j) += 2 * mode.damping_ratio * two_pi * mode.frequency;
+        system.load.row(j) = mode.load_translation.transpose();
+    }
+    return system;
+}
+
+LinearModes findLinearModes(const LinearSystem& system) {
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(system.stiffness, system.mass);
+    const Eigen::VectorXd& squares = solver.eigenvalues();
+    // Rounding of a free direction lies far below this share of the stiffest mode.
+    if (squares.minCoeff() < -1e-9 * squares.maxCoeff())
+        throw InputError({{}, 0, "gravity"}, "the static equilibrium is not stable (ω² = " +
+                                                 formatNumber(squares.minCoeff(), 3) + " 1/s²)");
+    return {squares.cwiseMax(0).cwiseSqrt() / two_pi, solver.eigenvectors()};
+}
+
+}  // namespace wems

@@ -1,0 +1,36 @@
+/// @file
+/// The device linearised about its static equilibrium: matrices and natural frequencies.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "models/mount_model.hpp"
+
+namespace wems {
+
+/// M x'' + C x' + K x = B F with x = (displacement of Mo in G, m; small rotation of M about the axes of G, rad; modal
+/// coordinates of the bracket, kg^1/2 m), counted from rest, and F the load at the bracket's load point (N).
+///
+/// K holds the geometric stiffness of gravity. Internal states (relaxation, structural damping) enter as storage and
+/// loss at one reference frequency, kept frozen otherwise; C holds the loss, the dashpots, friction at its slope at
+/// rest, the modes' damping, and the wheel's spin (skew). Stops that are not touched at rest do not act.
+struct LinearSystem {
+    Eigen::MatrixXd mass, damping, stiffness;
+    Eigen::MatrixXd load;               ///< B, rows as x, 3 columns
+    std::vector<Eigen::MatrixXd> ends;  ///< q_i = ends[i] x: relative displacement of each connection, F axes
+};
+
+/// @param reference_frequency Hz, at which internal states are evaluated
+/// @throws InputError if the model has no static equilibrium.
+LinearSystem linearize(const MountModel& model, double reference_frequency);
+
+/// Undamped natural modes: K φ = ω² M φ.
+struct LinearModes {
+    Eigen::VectorXd frequency;  ///< Hz, ascending
+    Eigen::MatrixXd shape;      ///< columns, φᵀ M φ = 1
+};
+/// Spin and damping are left out. @throws InputError if the equilibrium is not stable.
+LinearModes findLinearModes(const LinearSystem& system);
+
+}  // namespace wems

@@ -1,0 +1,16 @@
+/// @file
+/// What the model says about the applied load: applied = gain(f) · recorded, f the swept frequency.
+#pragma once
+
+#include "models/mount_model.hpp"
+
+namespace wems {
+
+/// The gain (-) at a swept frequency (Hz): linear between the rows of the table, constant outside; a single row holds
+/// at every frequency, also where the frequency is not known (NaN). 1 if the table is empty.
+double calcLoadGain(const LoadCorrection& correction, double frequency);
+
+/// True if the gain depends on frequency, so that a swept frequency must be known.
+bool dependsOnFrequency(const LoadCorrection& correction);
+
+}  // namespace wems

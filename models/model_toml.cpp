@@ -1,0 +1,171 @@
+#include <Eigen/Core>
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
+#include "models/error.hpp"
+#include "models/mount_model.hpp"
+#include "models/recording/text_file.hpp"
+#include "models/toml_table.hpp"
+
+namespace wems {
+namespace {
+
+Stop readStop(TomlTable& table) {
+    Stop stop;
+    const std::string side = table.requireString("side", "\"+\" or \"-\"");
+    if (side != "+" && side != "-") table.fail("side", "is \"" + side + "\"", "\"+\" or \"-\"");
+    stop.side = side == "+" ? Side::positive : Side::negative;
+    stop.clearance = table.requireNumber("clearance", "m");
+    stop.stiffness = table.requireNumber("stiffness", "N/m");
+    stop.dissipation = table.findNumber("dissipation").value_or(0);
+    return stop;
+}
+
+Friction readFriction(TomlTable& table) {
+    Friction friction;
+    friction.force = table.requireNumber("force", "N");
+    friction.presliding_stiffness = table.findNumber("presliding_stiffness");
+    // The law with presliding has no use for the transition velocity.
+    friction.transition_velocity =
+        friction.presliding_stiffness ? table.findNumber("transition_velocity").value_or(Friction{}.transition_velocity)
+                                      : table.requireNumber("transition_velocity", "m/s");
+    return friction;
+}
+
+AxisLaw readAxis(TomlTable& table) {
+    AxisLaw law;
+    law.stiffness = table.requireNumber("stiffness", "N/m");
+    law.damping = table.findNumber("damping").value_or(0);
+    table.readTables("stops", [&law](TomlTable& stop) { law.stops.push_back(readStop(stop)); });
+    law.offset = table.findNumber("offset").value_or(0);
+    law.cubic = table.findNumber("cubic").value_or(0);
+    law.loss_factor = table.findNumber("loss_factor").value_or(0);
+    law.drift = table.findNumber("drift").value_or(0);
+    table.readTable("relaxation", [&law](TomlTable& relaxation) {
+        law.relaxation =
+            Relaxation{relaxation.requireNumber("stiffness_ratio", ""), relaxation.requireNumber("time_constant", "s")};
+    });
+    table.readTable("friction", [&law](TomlTable& friction) { law.friction = readFriction(friction); });
+    return law;
+}
+
+Connection readConnection(TomlTable& table) {
+    Connection connection;
+    connection.name = table.requireString("name", "text in quotes");
+    connection.position = table.requireVector("position", "m");
+    bool any_axis = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+        any_axis |=
+            table.readTable(std::string(1, "xyz"[k]), [&](TomlTable& axis) { connection.axis[k] = readAxis(axis); });
+    }
+    if (!any_axis) table.fail("", "has no axis", "at least one of the tables x, y, z");
+    return connection;
+}
+
+MobileBody readBody(TomlTable& table) {
+    MobileBody body;
+    body.mass = table.requireNumber("mass", "kg");
+    body.center_of_gravity = table.findVector("center_of_gravity").value_or(Eigen::Vector3d::Zero());
+    const auto I =
+        table.requireNumbers("inertia", {3, 6}, "Ixx, Iyy, Izz, or Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the CoG, kg m^2");
+    body.inertia = Eigen::Vector3d(I[0], I[1], I[2]).asDiagonal();
+    if (I.size() == 6) {
+        body.inertia(0, 1) = body.inertia(1, 0) = I[3];
+        body.inertia(0, 2) = body.inertia(2, 0) = I[4];
+        body.inertia(1, 2) = body.inertia(2, 1) = I[5];
+    }
+    body.spin = table.findVector("spin").value_or(Eigen::Vector3d::Zero());
+    return body;
+}
+
+/// [[bracket.mode]]: new frequency or damping of one row of the modes file.
+void replaceMode(TomlTable& table, MountModel& model) {
+    const auto count = static_cast<long>(model.bracket.size());
+    const std::string rows = "a row of the modes file, 1 to " + std::to_string(count);
+    const long index = table.requireInteger("index", rows);
+    if (index < 1 || index > count) table.fail("index", "is " + std::to_string(index), rows);
+    for (const int replaced : model.replaced_modes) {
+        if (replaced == index) table.fail("index", std::to_string(index) + " stands twice", "each row once");
+    }
+    const auto frequency = table.findNumber("frequency");
+    const auto damping_ratio = table.findNumber("damping_ratio");
+    if (!frequency && !damping_ratio) table.fail("", "replaces nothing", "frequency, damping_ratio or both");
+    if (frequency && !(*frequency > 0)) table.fail("frequency", "is not above 0", "a number above 0, Hz");
+    if (damping_ratio && !(*damping_ratio >= 0)) table.fail("damping_ratio", "is negative", "a number from 0 on");
+    BracketMode& mode = model.bracket[static_cast<std::size_t>(index - 1)];
+    mode.frequency = frequency.value_or(mode.frequency);
+    mode.damping_ratio = damping_ratio.value_or(mode.damping_ratio);
+    model.replaced_modes.push_back(static_cast<int>(index));
+}
+
+void readBracket(TomlTable& table, const std::string& file, MountModel& model) {
+    model.bracket_file = table.requireString("modes", "the name of the modes file, beside this one");
+    if (model.bracket_file.empty()) table.fail("modes", "is empty", "the name of the modes file, beside this one");
+    model.bracket_path = (std::filesystem::path(file).parent_path() / model.bracket_file).string();
+    model.bracket = readBracketModes(model.bracket_path);
+    table.readTables("mode", [&model](TomlTable& mode) { replaceMode(mode, model); });
+}
+
+LoadCorrection readLoad(TomlTable& table) {
+    const auto gain = table.findNumber("gain");
+    const auto rows = table.findPairs("gain_over_frequency");
+    if (gain.has_value() == rows.has_value()) {
+        table.fail("", gain ? "has both gain and gain_over_frequency" : "has no gain", "gain or gain_over_frequency");
+    }
+    if (gain) return {{{0.0, *gain}}};
+    return {*rows};
+}
+
+SensorFault readSensor(TomlTable& table) {
+    SensorFault sensor;
+    sensor.channel = table.requireString("channel", "a channel such as \"mobile.1.az\", or \"mobile.1\"");
+    sensor.gain = table.findNumber("gain").value_or(1);
+    sensor.delay = table.findNumber("delay").value_or(0);
+    sensor.rotation = table.findVector("rotation").value_or(Eigen::Vector3d::Zero());
+    return sensor;
+}
+
+void readRoot(TomlTable& root, const std::string& file, MountModel& model) {
+    model.name = root.findString("name").value_or("");
+    model.gravity = root.findVector("gravity").value_or(Eigen::Vector3d::Zero());
+    if (!root.readTable("body", [&model](TomlTable& body) { model.body = readBody(body); })) {
+        root.fail("body", "is missing", "a table [body] with mass and inertia");
+    }
+    root.readTables("connection",
+                    [&model](TomlTable& connection) { model.connections.push_back(readConnection(connection)); });
+    root.readTable("bracket", [&](TomlTable& bracket) { readBracket(bracket, file, model); });
+    root.readTable("load", [&model](TomlTable& load) { model.load = readLoad(load); });
+    root.readTables("sensor", [&model](TomlTable& sensor) { model.sensors.push_back(readSensor(sensor)); });
+    root.rejectUnknownKeys();
+}
+
+}  // namespace
+
+MountModel parseMountModel(std::string_view text, const std::string& file) {
+    toml::table parsed;
+    try {
+        parsed = toml::parse(text, file);
+    } catch (const toml::parse_error& error) {
+        throw InputError({file, static_cast<long>(error.source().begin.line), {}},
+                         "not valid TOML: " + std::string(error.description()));
+    }
+    TomlPlaces places{file, {}};
+    TomlTable root(parsed, "", places);
+    MountModel model;
+    readRoot(root, file, model);
+    try {
+        validate(model);
+    } catch (const InputError& error) {
+        // The checks of ranges know the key; the file and the line come from here.
+        const std::string& key = error.location().key;
+        throw InputError({file, places.find(key), key}, error.problem(), error.accepted());
+    }
+    return model;
+}
+
+MountModel readMountModel(const std::string& file) {
+    return parseMountModel(TextFile(file).view(), file);
+}
+
+}  // namespace wems

@@ -1,0 +1,186 @@
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include "models/atomic_file.hpp"
+#include "models/error.hpp"
+#include "models/format_number.hpp"
+#include "models/mount_model.hpp"
+
+namespace wems {
+namespace {
+
+/// A TOML float: shortest digits that read back the same, never an integer.
+std::string number(double value) {
+    std::string text = formatNumber(value);
+    if (text.find_first_of(".en") == std::string::npos) text += ".0";
+    return text;
+}
+
+std::string quoted(const std::string& text) {
+    std::string result = "\"";
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\') {
+            result += '\\';
+            result += c;
+        } else if (byte < 0x20 || byte == 0x7f) {
+            constexpr const char* digits = "0123456789abcdef";
+            result += std::string("\\u00") + digits[byte >> 4U] + digits[byte & 15U];
+        } else {
+            result += c;
+        }
+    }
+    return result + "\"";
+}
+
+std::string vector(const Eigen::Vector3d& v) {
+    return "[" + number(v.x()) + ", " + number(v.y()) + ", " + number(v.z()) + "]";
+}
+
+class Writer {
+public:
+    void line(const std::string& text) { text_ += text + "\n"; }
+    void key(const std::string& name, const std::string& value) { line(name + " = " + value); }
+    void number(const std::string& name, double value) { key(name, wems::number(value)); }
+    /// Only where it differs from what an absent key means.
+    void optionalNumber(const std::string& name, double value, double absent = 0) {
+        if (value != absent) number(name, value);
+    }
+    void optionalVector(const std::string& name, const Eigen::Vector3d& value) {
+        if (!value.isZero(0)) key(name, vector(value));
+    }
+    const std::string& text() const { return text_; }
+
+private:
+    std::string text_;
+};
+
+void writeBody(const MobileBody& body, Writer& out) {
+    out.line("\n[body]");
+    out.number("mass", body.mass);
+    out.optionalVector("center_of_gravity", body.center_of_gravity);
+    const Eigen::Matrix3d& I = body.inertia;
+    std::string inertia = "[" + number(I(0, 0)) + ", " + number(I(1, 1)) + ", " + number(I(2, 2));
+    if (I(0, 1) != 0 || I(0, 2) != 0 || I(1, 2) != 0) {
+        inertia += ", " + number(I(0, 1)) + ", " + number(I(0, 2)) + ", " + number(I(1, 2));
+    }
+    out.key("inertia", inertia + "]");
+    out.optionalVector("spin", body.spin);
+}
+
+bool exertsNothing(const AxisLaw& law) {
+    return law.stiffness == 0 && law.damping == 0 && law.cubic == 0 && law.offset == 0 && law.loss_factor == 0 &&
+           law.drift == 0 && !law.relaxation && !law.friction && law.stops.empty();
+}
+
+std::string formatStop(const Stop& stop) {
+    std::string text = std::string("{ side = \"") + (stop.side == Side::positive ? "+" : "-") +
+                       "\", clearance = " + number(stop.clearance) + ", stiffness = " + number(stop.stiffness);
+    if (stop.dissipation != 0) text += ", dissipation = " + number(stop.dissipation);
+    return text + " }";
+}
+
+void writeAxis(const AxisLaw& law, char axis, Writer& out) {
+    out.line(std::string("[connection.") + axis + "]");
+    out.number("stiffness", law.stiffness);
+    out.optionalNumber("damping", law.damping);
+    out.optionalNumber("offset", law.offset);
+    out.optionalNumber("cubic", law.cubic);
+    out.optionalNumber("loss_factor", law.loss_factor);
+    out.optionalNumber("drift", law.drift);
+    if (law.relaxation) {
+        out.key("relaxation", "{ stiffness_ratio = " + number(law.relaxation->stiffness_ratio) +
+                                  ", time_constant = " + number(law.relaxation->time_constant) + " }");
+    }
+    if (law.friction) {
+        std::string friction = "{ force = " + number(law.friction->force) +
+                               ", transition_velocity = " + number(law.friction->transition_velocity);
+        if (law.friction->presliding_stiffness) {
+            friction += ", presliding_stiffness = " + number(*law.friction->presliding_stiffness);
+        }
+        out.key("friction", friction + " }");
+    }
+    std::string stops;
+    for (const Stop& stop : law.stops) stops += (stops.empty() ? "[ " : ",\n          ") + formatStop(stop);
+    if (!stops.empty()) out.key("stops", stops + " ]");
+}
+
+void writeConnection(const Connection& connection, Writer& out) {
+    out.line("\n[[connection]]");
+    out.key("name", quoted(connection.name));
+    out.key("position", vector(connection.position));
+    bool any = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+        // An axis without a table exerts nothing; a connection needs one table all the same.
+        const bool last_chance = k == 2 && !any;
+        if (exertsNothing(connection.axis[k]) && !last_chance) continue;
+        writeAxis(connection.axis[k], "xyz"[k], out);
+        any = true;
+    }
+}
+
+void writeBracket(const MountModel& model, const std::string& bracket_file, Writer& out) {
+    out.line("\n[bracket]");
+    out.key("modes", quoted(bracket_file));
+    for (const int index : model.replaced_modes) {
+        const BracketMode& mode = model.bracket.at(static_cast<std::size_t>(index - 1));
+        out.line("[[bracket.mode]]");
+        out.key("index", std::to_string(index));
+        out.number("frequency", mode.frequency);
+        out.number("damping_ratio", mode.damping_ratio);
+    }
+}
+
+void writeLoad(const LoadCorrection& load, Writer& out) {
+    out.line("\n[load]");
+    const auto& rows = load.gain_over_frequency;
+    if (rows.size() == 1 && rows[0].first == 0) {
+        out.number("gain", rows[0].second);
+        return;
+    }
+    std::string table;
+    for (const auto& [frequency, gain] : rows) {
+        table += (table.empty() ? "[" : ", ") + ("[" + number(frequency) + ", " + number(gain) + "]");
+    }
+    out.key("gain_over_frequency", table + "]");
+}
+
+}  // namespace
+
+std::string formatMountModel(const MountModel& model, const std::string& bracket_file) {
+    Writer out;
+    out.key("name", quoted(model.name));
+    out.optionalVector("gravity", model.gravity);
+    writeBody(model.body, out);
+    for (const Connection& connection : model.connections) writeConnection(connection, out);
+    if (!model.bracket.empty()) writeBracket(model, bracket_file, out);
+    if (model.load) writeLoad(*model.load, out);
+    for (const SensorFault& sensor : model.sensors) {
+        out.line("\n[[sensor]]");
+        out.key("channel", quoted(sensor.channel));
+        out.optionalNumber("gain", sensor.gain, 1);
+        out.optionalNumber("delay", sensor.delay);
+        out.optionalVector("rotation", sensor.rotation);
+    }
+    return out.text();
+}
+
+void writeMountModel(const MountModel& model, const std::string& file) {
+    namespace fs = std::filesystem;
+    validate(model);
+    std::string bracket_file = model.bracket_file;
+    if (!model.bracket.empty() && bracket_file.empty()) {
+        throw InputError({file, 0, "bracket.modes"},
+                         "the model's bracket modes are in no file that could be named here");
+    }
+    if (!model.bracket_path.empty()) {
+        std::error_code failed;
+        const fs::path folder = fs::weakly_canonical(fs::absolute(file).parent_path(), failed);
+        const fs::path modes = fs::weakly_canonical(fs::absolute(model.bracket_path), failed);
+        if (!failed) bracket_file = modes.lexically_proximate(folder).generic_string();
+    }
+    AtomicFile::write(file, formatMountModel(model, bracket_file));
+}
+
+}  // namespace wems

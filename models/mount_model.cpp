@@ -1,0 +1,166 @@
+#include "models/mount_model.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <set>
+
+#include "models/error.hpp"
+#include "models/format_number.hpp"
+
+namespace wems {
+namespace {
+
+[[noreturn]] void fail(const std::string& key, const std::string& problem, const std::string& accepted = {}) {
+    throw InputError({{}, 0, key}, problem, accepted);
+}
+
+void requireFinite(const std::string& key, const Eigen::Ref<const Eigen::MatrixXd>& values) {
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+        const double value = values(i % values.rows(), i / values.rows());
+        if (!std::isfinite(value)) fail(key, "holds " + formatNumber(value), "finite numbers");
+    }
+}
+
+void requireFinite(const std::string& key, double value) {
+    if (!std::isfinite(value)) fail(key, "is " + formatNumber(value), "a finite number");
+}
+
+void checkBody(const MobileBody& body) {
+    if (!(std::isfinite(body.mass) && body.mass > 0)) {
+        fail("body.mass", "is " + formatNumber(body.mass), "a number above 0, kg");
+    }
+    requireFinite("body.center_of_gravity", body.center_of_gravity);
+    requireFinite("body.spin", body.spin);
+    requireFinite("body.inertia", body.inertia);
+    if (!body.inertia.isApprox(body.inertia.transpose(), 1e-12)) fail("body.inertia", "is not symmetric");
+    const Eigen::Vector3d principal =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body.inertia, Eigen::EigenvaluesOnly).eigenvalues();
+    const std::string found = "has the principal moments " + formatNumber(principal[0], 6) + ", " +
+                              formatNumber(principal[1], 6) + ", " + formatNumber(principal[2], 6);
+    if (!(principal[0] > 0)) fail("body.inertia", found, "principal moments above 0, kg m^2");
+    // A flat body meets the limit exactly; rounding must not turn it down.
+    if (principal[2] > (principal[0] + principal[1]) * (1 + 1e-9)) {
+        fail("body.inertia", found, "a real body's: no principal moment above the sum of the other two");
+    }
+}
+
+void checkConnections(const std::vector<Connection>& connections) {
+    if (connections.empty()) fail("connection", "there is none", "at least one [[connection]]");
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < connections.size(); ++i) {
+        const Connection& connection = connections[i];
+        const std::string prefix = "connection[" + std::to_string(i) + "].";
+        const auto forbidden = [](unsigned char c) {
+            return std::isspace(c) != 0 || std::iscntrl(c) != 0 ||
+                   std::string(".,;\"'[]").find(static_cast<char>(c)) != std::string::npos;
+        };
+        if (connection.name.empty() || std::any_of(connection.name.begin(), connection.name.end(), forbidden)) {
+            fail(prefix + "name", "is \"" + connection.name + "\"",
+                 "a name without blanks, dots, commas, semicolons, quotes and brackets, since it is part of channel "
+                 "names");
+        }
+        if (!names.insert(connection.name).second) {
+            fail(prefix + "name", "\"" + connection.name + "\" stands twice", "a name of its own for each connection");
+        }
+        requireFinite(prefix + "position", connection.position);
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (const auto problem = findProblem(connection.axis[k])) {
+                fail(prefix + "xyz"[k] + "." + problem->key, problem->problem, problem->accepted);
+            }
+        }
+    }
+}
+
+void checkBracket(const std::vector<BracketMode>& modes) {
+    for (std::size_t j = 0; j < modes.size(); ++j) {
+        const std::string prefix = "bracket mode " + std::to_string(j + 1) + ", ";
+        const BracketMode& mode = modes[j];
+        if (!(std::isfinite(mode.frequency) && mode.frequency > 0)) {
+            fail(prefix + "frequency", "is " + formatNumber(mode.frequency), "a number above 0, Hz");
+        }
+        if (!(std::isfinite(mode.damping_ratio) && mode.damping_ratio >= 0)) {
+            fail(prefix + "damping_ratio", "is " + formatNumber(mode.damping_ratio), "a number from 0 on");
+        }
+        requireFinite(prefix + "translation", mode.translation);
+        requireFinite(prefix + "rotation", mode.rotation);
+        requireFinite(prefix + "load", mode.load_translation);
+        requireFinite(prefix + "base", mode.base_participation);
+    }
+}
+
+void checkLoad(const LoadCorrection& load) {
+    const auto& rows = load.gain_over_frequency;
+    if (rows.empty()) fail("load.gain_over_frequency", "is empty", "at least one [frequency, gain]");
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const std::string key = rows.size() == 1 && rows[0].first == 0
+                                    ? "load.gain"
+                                    : "load.gain_over_frequency[" + std::to_string(i) + "]";
+        requireFinite(key, rows[i].first);
+        requireFinite(key, rows[i].second);
+        if (rows[i].first < 0 || (i > 0 && rows[i].first <= rows[i - 1].first)) {
+            fail(key, "the frequency is " + formatNumber(rows[i].first), "frequencies from 0 on, ascending, Hz");
+        }
+    }
+}
+
+bool isChannelOrGroup(const std::string& channel, const std::vector<Connection>& connections) {
+    const std::size_t first_dot = channel.find('.');
+    const std::string part = channel.substr(0, first_dot);
+    if (part == "load" || part == "base") {
+        const std::string letter = part == "load" ? "f" : "a";
+        return first_dot == std::string::npos || channel == part + "." + letter + "x" ||
+               channel == part + "." + letter + "y" || channel == part + "." + letter + "z";
+    }
+    if (part != "mobile" && part != "fixed" && part != "relative" && part != "force") return false;
+    if (first_dot == std::string::npos) return true;
+    const std::size_t second_dot = channel.find('.', first_dot + 1);
+    const std::string name = channel.substr(first_dot + 1, second_dot - first_dot - 1);
+    const bool known = std::any_of(connections.begin(), connections.end(),
+                                   [&name](const Connection& connection) { return connection.name == name; });
+    if (!known || second_dot == std::string::npos) return known;
+    static const std::set<std::string> quantities = {"x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az"};
+    return quantities.count(channel.substr(second_dot + 1)) == 1;
+}
+
+void checkSensors(const MountModel& model) {
+    for (std::size_t i = 0; i < model.sensors.size(); ++i) {
+        const SensorFault& sensor = model.sensors[i];
+        const std::string prefix = "sensor[" + std::to_string(i) + "].";
+        if (!isChannelOrGroup(sensor.channel, model.connections)) {
+            fail(prefix + "channel", "is \"" + sensor.channel + "\"",
+                 "a channel such as mobile.1.az of a connection of this model, or its beginning: mobile.1, mobile");
+        }
+        requireFinite(prefix + "gain", sensor.gain);
+        requireFinite(prefix + "delay", sensor.delay);
+        requireFinite(prefix + "rotation", sensor.rotation);
+    }
+}
+
+}  // namespace
+
+int MountModel::connectionIndex(const std::string& connection_name) const {
+    std::string known;
+    for (std::size_t i = 0; i < connections.size(); ++i) {
+        if (connections[i].name == connection_name) return static_cast<int>(i);
+        known += (i > 0 ? ", " : "") + connections[i].name;
+    }
+    throw InputError({}, "the model has no connection \"" + connection_name + "\"", known);
+}
+
+void validate(const MountModel& model) {
+    requireFinite("gravity", model.gravity);
+    checkBody(model.body);
+    checkConnections(model.connections);
+    checkBracket(model.bracket);
+    for (const int index : model.replaced_modes) {
+        if (index < 1 || index > static_cast<int>(model.bracket.size())) {
+            fail("bracket.mode", "the modes file has no row " + std::to_string(index));
+        }
+    }
+    if (model.load) checkLoad(*model.load);
+    checkSensors(model);
+}
+
+}  // namespace wems

@@ -1,0 +1,80 @@
+/// @file
+/// The mount model: a rigid mobile part held by connections on a fixed part. Plain data; SI units; frames F (fixed
+/// part) and M (mobile part) coincide at rest with the origin at the centre of the cross and z axial.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "models/axis_law.hpp"
+#include "models/bracket.hpp"
+
+namespace wems {
+
+/// The mobile part. All vectors in M.
+struct MobileBody {
+    double mass = 0;                                              ///< kg, > 0
+    Eigen::Vector3d center_of_gravity = Eigen::Vector3d::Zero();  ///< p_MoBcm, m
+    Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();            ///< about the CoG, kg m², positive definite
+    Eigen::Vector3d spin = Eigen::Vector3d::Zero();               ///< angular momentum of the wheel, N m s
+};
+
+/// A connection: three independent axis laws along the mount axes (those of F).
+struct Connection {
+    std::string name;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, of both ends, each in its own frame, at rest
+    std::array<AxisLaw, 3> axis;                         ///< x, y, z
+};
+
+/// Applied load = gain(f) · recorded load; f the swept frequency (Hz). A single gain has one row with frequency 0.
+struct LoadCorrection {
+    std::vector<std::pair<double, double>> gain_over_frequency;  ///< (Hz, -), frequencies ascending
+};
+
+/// What the recording's channel makes of the truth: measured(t) = gain · R(rotation) · true(t − delay).
+struct SensorFault {
+    std::string channel;  ///< `mobile.1.az`, or `mobile.1`, `mobile` for all of it
+    double gain = 1;
+    double delay = 0;                                    ///< s
+    Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< rotation vector, rad
+};
+
+struct MountModel {
+    std::string name;
+    Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< m/s², mount axes
+    MobileBody body;
+    std::vector<Connection> connections;
+    std::string bracket_file;  ///< as written in the TOML; empty = none
+    std::string bracket_path;  ///< where that file was found, from the working folder
+    std::vector<BracketMode>
+        bracket;  ///< replacements ([[bracket.mode]]) already applied; empty = F does not move by itself
+    std::vector<int> replaced_modes;  ///< from 1: rows that [[bracket.mode]] replaced
+    std::optional<LoadCorrection> load;
+    std::vector<SensorFault> sensors;
+
+    /// Index of a connection by name; throws InputError naming those that exist.
+    int connectionIndex(const std::string& connection_name) const;
+};
+
+/// Throws InputError (without a file) naming the key, the value and the range, if the model cannot be simulated.
+void validate(const MountModel& model);
+
+/// Reads a model from TOML (models/README in the repository documents every key). The bracket modes are read from the
+/// file named there, beside the TOML. Throws InputError with file, line and key.
+MountModel readMountModel(const std::string& file);
+/// The same from text; `file` is for messages, and the bracket's modes are looked for beside it.
+MountModel parseMountModel(std::string_view text, const std::string& file);
+
+/// Writes the model as TOML that readMountModel reads back to the same model. A bracket file is referred to, relative
+/// to the new file where possible; replaced modes are written as [[bracket.mode]]. Nothing is left behind on failure.
+void writeMountModel(const MountModel& model, const std::string& file);
+
+/// The same as text; `bracket_file` is written as the modes' path.
+std::string formatMountModel(const MountModel& model, const std::string& bracket_file);
+
+}  // namespace wems

@@ -1,0 +1,217 @@
+#include "models/parameter_access.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "models/parameter_name.hpp"
+
+namespace wems {
+
+using namespace parameter;
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNewTimeConstant = 0.01;  // s, in the middle of 5–50 Hz
+
+std::pair<int, int> inertiaEntry(int index) {
+    constexpr int kRow[6] = {0, 1, 2, 0, 0, 1}, kColumn[6] = {0, 1, 2, 1, 2, 2};
+    return {kRow[index], kColumn[index]};
+}
+
+double getAxis(const AxisLaw& law, const Target& target, const std::string& name) {
+    const auto& p = target.parameter;
+    if (p == "stiffness") return law.stiffness;
+    if (p == "damping") return law.damping;
+    if (p == "offset") return law.offset;
+    if (p == "cubic") return law.cubic;
+    if (p == "loss_factor") return law.loss_factor;
+    if (p == "drift") return law.drift;
+    if (p == "stiffness_ratio") return law.relaxation ? law.relaxation->stiffness_ratio : 0.0;
+    if (p == "time_constant") return law.relaxation ? law.relaxation->time_constant : kNewTimeConstant;
+    if (p == "friction_force") return law.friction ? law.friction->force : 0.0;
+    if (p == "transition_velocity") return (law.friction ? *law.friction : Friction{}).transition_velocity;
+    if (p == "presliding_stiffness")
+        return law.friction && law.friction->presliding_stiffness ? *law.friction->presliding_stiffness : kInfinity;
+    if (p == "dissipation") {
+        double sum = 0;
+        for (const auto& stop : law.stops) sum += stop.dissipation;
+        return law.stops.empty() ? 0.0 : sum / static_cast<double>(law.stops.size());
+    }
+    failName(name, "an axis has no parameter '" + p + "'");
+}
+
+void setAxis(AxisLaw& law, const Target& target, const std::string& name, double value) {
+    const auto& p = target.parameter;
+    const auto relaxation = [&]() -> Relaxation& {
+        if (!law.relaxation) law.relaxation = Relaxation{0.0, kNewTimeConstant};
+        return *law.relaxation;
+    };
+    const auto friction = [&]() -> Friction& {
+        if (!law.friction) law.friction = Friction{};
+        return *law.friction;
+    };
+    if (p == "stiffness") {
+        law.stiffness = value;
+    } else if (p == "damping") {
+        law.damping = value;
+    } else if (p == "offset") {
+        law.offset = value;
+    } else if (p == "cubic") {
+        law.cubic = value;
+    } else if (p == "loss_factor") {
+        law.loss_factor = value;
+    } else if (p == "drift") {
+        law.drift = value;
+    } else if (p == "stiffness_ratio") {
+        relaxation().stiffness_ratio = value;
+    } else if (p == "time_constant") {
+        relaxation().time_constant = value;
+    } else if (p == "friction_force") {
+        friction().force = value;
+    } else if (p == "transition_velocity") {
+        friction().transition_velocity = value;
+    } else if (p == "presliding_stiffness") {
+        friction().presliding_stiffness = std::isfinite(value) ? std::optional<double>(value) : std::nullopt;
+    } else if (p == "dissipation") {
+        for (auto& stop : law.stops) stop.dissipation = value;
+    } else {
+        failName(name, "an axis has no parameter '" + p + "'");
+    }
+}
+
+double getStop(const AxisLaw& law, const Target& target, const std::string& name) {
+    const Stop* stop = findStop(law, target.side);
+    if (target.parameter == "clearance") return stop ? stop->clearance : kInfinity;
+    if (target.parameter == "stiffness") return stop ? stop->stiffness : 0.0;
+    if (target.parameter == "dissipation") return stop ? stop->dissipation : 0.0;
+    failName(name, "a stop has clearance, stiffness and dissipation only");
+}
+
+void setStop(MountModel& model, const Target& target, const std::string& name, double value) {
+    auto& law = lawOf(model, target);
+    if (target.parameter == "clearance" && !std::isfinite(value)) {
+        law.stops.erase(std::remove_if(law.stops.begin(), law.stops.end(),
+                                       [&](const Stop& stop) { return stop.side == target.side; }),
+                        law.stops.end());
+        return;
+    }
+    Stop* stop = findStop(law, target.side);
+    if (stop == nullptr) {
+        const double stiffness = newStopStiffness(model, target);
+        law.stops.push_back({target.side, typicalClearance(model), stiffness, 0.0});
+        stop = &law.stops.back();
+    }
+    if (target.parameter == "clearance") {
+        stop->clearance = value;
+    } else if (target.parameter == "stiffness") {
+        stop->stiffness = value;
+    } else if (target.parameter == "dissipation") {
+        stop->dissipation = value;
+    } else {
+        failName(name, "a stop has clearance, stiffness and dissipation only");
+    }
+}
+
+template <typename Sensors>
+auto findSensor(Sensors& sensors, const std::string& channel) -> decltype(sensors.data()) {
+    for (auto& sensor : sensors)
+        if (sensor.channel == channel) return &sensor;
+    return nullptr;
+}
+
+}  // namespace
+
+double getParameter(const MountModel& model, const std::string& name) {
+    const auto target = parse(model, name);
+    switch (target.kind) {
+        case Target::Kind::axis:
+            return getAxis(lawOf(model, target), target, name);
+        case Target::Kind::stop:
+            return getStop(lawOf(model, target), target, name);
+        case Target::Kind::mass:
+            return model.body.mass;
+        case Target::Kind::center_of_gravity:
+            return model.body.center_of_gravity[target.index];
+        case Target::Kind::spin:
+            return model.body.spin[target.index];
+        case Target::Kind::inertia: {
+            const auto [row, column] = inertiaEntry(target.index);
+            return model.body.inertia(row, column);
+        }
+        case Target::Kind::mode: {
+            const auto& mode = model.bracket[static_cast<std::size_t>(target.index)];
+            return target.parameter == "frequency" ? mode.frequency : mode.damping_ratio;
+        }
+        case Target::Kind::load:
+            return model.load && !model.load->gain_over_frequency.empty()
+                       ? model.load->gain_over_frequency.front().second
+                       : 1.0;
+        case Target::Kind::sensor:
+        case Target::Kind::sensor_rotation: {
+            const SensorFault* sensor = findSensor(model.sensors, target.channel);
+            const SensorFault fault = sensor ? *sensor : SensorFault{};
+            if (target.kind == Target::Kind::sensor_rotation) return fault.rotation[target.index];
+            return target.parameter == "gain" ? fault.gain : fault.delay;
+        }
+    }
+    failName(name, "not the name of a parameter");
+}
+
+void setParameter(MountModel& model, const std::string& name, double value) {
+    const auto target = parse(model, name);
+    switch (target.kind) {
+        case Target::Kind::axis:
+            setAxis(lawOf(model, target), target, name, value);
+            return;
+        case Target::Kind::stop:
+            setStop(model, target, name, value);
+            return;
+        case Target::Kind::mass:
+            model.body.mass = value;
+            return;
+        case Target::Kind::center_of_gravity:
+            model.body.center_of_gravity[target.index] = value;
+            return;
+        case Target::Kind::spin:
+            model.body.spin[target.index] = value;
+            return;
+        case Target::Kind::inertia: {
+            const auto [row, column] = inertiaEntry(target.index);
+            model.body.inertia(row, column) = model.body.inertia(column, row) = value;
+            return;
+        }
+        case Target::Kind::mode: {
+            auto& mode = model.bracket[static_cast<std::size_t>(target.index)];
+            (target.parameter == "frequency" ? mode.frequency : mode.damping_ratio) = value;
+            auto& replaced = model.replaced_modes;
+            if (std::find(replaced.begin(), replaced.end(), target.index + 1) == replaced.end())
+                replaced.push_back(target.index + 1);
+            return;
+        }
+        case Target::Kind::load:
+            model.load = LoadCorrection{{{0.0, value}}};
+            return;
+        case Target::Kind::sensor:
+        case Target::Kind::sensor_rotation: {
+            SensorFault* sensor = findSensor(model.sensors, target.channel);
+            if (sensor == nullptr) {
+                SensorFault fault;
+                fault.channel = target.channel;
+                model.sensors.push_back(fault);
+                sensor = &model.sensors.back();
+            }
+            if (target.kind == Target::Kind::sensor_rotation) {
+                sensor->rotation[target.index] = value;
+            } else {
+                (target.parameter == "gain" ? sensor->gain : sensor->delay) = value;
+            }
+            return;
+        }
+    }
+}
+
+}  // namespace wems

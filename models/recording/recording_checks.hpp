@@ -1,0 +1,51 @@
+/// @file
+/// What may be wrong with a recording, found without a model.
+///
+/// Repaired, with a finding:
+/// - a time stamp that repeats the one before, up to 10 % of the rows: the later row is dropped;
+/// - a time stamp that goes back, up to 3 rows: the row is dropped;
+/// - a channel without any value: the channel is dropped;
+/// - empty fields in up to 5 rows on end: straight line between the neighbours;
+/// - empty fields at the start or the end, up to half of the rows: the rows are cut off.
+/// Beyond these limits: InputError with row and channel. Found and left as it is: gaps, non-uniform time stamps,
+/// clipped and constant channels.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "models/recording/recording.hpp"
+
+namespace wems {
+
+enum class FindingKind {
+    repeated_time,
+    backward_time,
+    gap,
+    non_uniform_time,
+    missing_value,
+    empty_channel,
+    clipped,
+    constant,
+    missing_connection,
+    unknown_connection,
+    swapped
+};
+
+struct Finding {
+    FindingKind kind = FindingKind::gap;
+    std::string channel;  ///< `time`, a channel, or `mobile.1` for all channels of a connection
+    long row = 0;         ///< of the file, the first one concerned; 0 if the whole recording is
+    double time = 0;      ///< s, of that row
+    std::string message;  ///< one sentence
+};
+
+/// Makes every value finite and time strictly increasing, then runs checkChannels. NaN stands for an empty field.
+/// @throws InputError where that would take more than the limits above.
+std::vector<Finding> repairAndCheck(Recording& recording);
+
+/// Gaps, non-uniform time, clipped and constant channels of a recording of finite values and increasing time.
+/// @param rows row of the file of each sample; empty: consecutive from first_row
+std::vector<Finding> checkChannels(const Recording& recording, const std::vector<long>& rows = {});
+
+}  // namespace wems

@@ -1,0 +1,14 @@
+/// @file
+/// Text of the front-end assets, put into the library at build time.
+#pragma once
+
+#include <string>
+
+namespace wems::report_assets {
+
+std::string dygraphsScript();
+std::string dygraphsStyle();
+std::string pageScript();
+std::string pageStyle();
+
+}  // namespace wems::report_assets

@@ -1,0 +1,27 @@
+/// @file
+/// Tables on a terminal.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace wems {
+
+/// A table with right-aligned columns but the first.
+class Table {
+public:
+    explicit Table(std::vector<std::string> header) : header_(std::move(header)) {}
+    void addRow(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+    std::string format() const;
+    bool empty() const { return rows_.empty(); }
+
+    const std::vector<std::string>& header() const { return header_; }
+    const std::vector<std::vector<std::string>>& rows() const { return rows_; }
+
+private:
+    std::vector<std::string> header_;
+    std::vector<std::vector<std::string>> rows_;
+};
+
+}  // namespace wems

@@ -1,0 +1,209 @@
+#include "plugin/device_force.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "models/error.hpp"
+#include "models/load_gain.hpp"
+#include "plugin/element_state.hpp"
+
+namespace wems::plugin {
+namespace {
+
+using ConstMap = Eigen::Map<const Eigen::VectorXd>;
+using Map = Eigen::Map<Eigen::VectorXd>;
+
+/// What a model says, as the force needs it.
+struct DeviceValues {
+    explicit DeviceValues(const MountModel& model)
+        : laws(model),
+          bracket(model.bracket),
+          gravity(model.gravity),
+          spin(model.body.spin),
+          load(model.load.value_or(LoadCorrection{})) {}
+    MountForces laws;
+    Bracket bracket;
+    Eigen::Vector3d gravity, spin;
+    LoadCorrection load;
+};
+
+/// z holds η, η', the laws' internal states, the dissipated energy.
+class DeviceForceImplementation : public SimTK::Force::Custom::Implementation {
+public:
+    DeviceForceImplementation(const SimTK::GeneralForceSubsystem& forces, const SimTK::MobilizedBody& mobile,
+                              const DeviceValues& values, const MobileBody& body, std::shared_ptr<const Drive> drive)
+        : mobile_(mobile),
+          mass_(body.mass),
+          p_MC_(body.center_of_gravity),
+          drive_(std::move(drive)),
+          modes_(values.bracket.modeCount()),
+          state_(forces, values, 2 * modes_ + values.laws.stateCount() + 1) {}
+
+    void calcForce(const SimTK::State& state, SimTK::Vector_<SimTK::SpatialVec>& body_forces,
+                   SimTK::Vector_<SimTK::Vec3>&, SimTK::Vector&) const override {
+        const DeviceValues& values = state_.getValues(state);
+        const double t = state.getTime();
+        const double* z = state_.getZ(state);
+        double* zdot = state_.updDerivatives(state);
+        const BodyMotion mobile = calcFrameMotion(mobile_, SimTK::Transform(), state);
+        const FrameMotion fixed = calcFixedMotion(state);
+
+        checkPose(mobile, fixed, t);
+        Wrench on_mobile, on_fixed;
+        values.laws.calc(mobile, fixed, t, z + 2 * modes_, on_mobile, on_fixed, zdot + 2 * modes_);
+        double power = values.laws.calcDissipatedPower(mobile, fixed, t, z + 2 * modes_);
+
+        Eigen::Vector3d load = Eigen::Vector3d::Zero(), base = Eigen::Vector3d::Zero();
+        if (drive_) {
+            base = drive_->calcBaseAcceleration(t);
+            if (drive_->hasLoad()) load = calcLoadGain(values.load, drive_->calcFrequency(t)) * drive_->calcLoad(t);
+        }
+        if (modes_ > 0) {
+            const ConstMap eta(z, modes_), eta_dot(z + modes_, modes_);
+            Map(zdot, modes_) = eta_dot;
+            Map eta_dot_dot(zdot + modes_, modes_);
+            values.bracket.calcAccelerations(eta, eta_dot, on_fixed, load, base, eta_dot_dot);
+            power += values.bracket.calcDissipatedPower(eta_dot);
+        }
+        zdot[energyIndex()] = power;
+
+        const Eigen::Vector3d weight = mass_ * (values.gravity - base);
+        on_mobile.force += weight;
+        on_mobile.moment += (mobile.R_GM * p_MC_).cross(weight) - mobile.w_GM.cross(mobile.R_GM * values.spin);
+        checkFinite(on_mobile, zdot, t);
+        state_.markDerivatives(state);
+        body_forces[mobile_.getMobilizedBodyIndex()] += toSimTK(on_mobile);
+    }
+
+    SimTK::Real calcPotentialEnergy(const SimTK::State& state) const override {
+        const DeviceValues& values = state_.getValues(state);
+        const BodyMotion mobile = calcFrameMotion(mobile_, SimTK::Transform(), state);
+        const double* z = state_.getZ(state);
+        const Eigen::Vector3d p_GC = mobile.p_GM + mobile.R_GM * p_MC_;
+        return values.laws.calcPotential(mobile, calcFixedMotion(state), state.getTime(), z + 2 * modes_) +
+               values.bracket.calcEnergy(ConstMap(z, modes_), ConstMap(z + modes_, modes_)) -
+               mass_ * values.gravity.dot(p_GC);
+    }
+
+    void realizeTopology(SimTK::State& state) const override { state_.allocate(state); }
+    void realizeAcceleration(const SimTK::State& state) const override { state_.publishDerivatives(state); }
+
+    FrameMotion calcFixedMotion(const SimTK::State& state) const {
+        if (modes_ == 0) return {};
+        const double* z = state_.getZ(state);
+        return state_.getValues(state).bracket.calcMotion(ConstMap(z, modes_), ConstMap(z + modes_, modes_));
+    }
+
+    const ElementState<DeviceValues>& elementState() const { return state_; }
+    int modeCount() const { return modes_; }
+    int lawStateCount() const { return state_.count() - 2 * modes_ - 1; }
+    int energyIndex() const { return state_.count() - 1; }
+    const std::string& failure() const { return failure_; }
+
+private:
+    // The integrator answers an exception with a shorter step, so that a wild trial step does no harm; where every step
+    // fails it gives up, and the last reason kept here is the one to tell.
+    [[noreturn]] void fail(double t, const char* reason) const {
+        char text[160];
+        std::snprintf(text, sizeof text, "%s at t = %.6g s", reason, t);
+        failure_ = text;
+        throw std::runtime_error(failure_);
+    }
+
+    void checkPose(const BodyMotion& mobile, const FrameMotion& fixed, double t) const {
+        constexpr double largest_separation = 1;  // m
+        constexpr double largest_sine = 0.99;     // of the middle Bryant angle, singular at one
+        if (!((mobile.p_GM - fixed.p_GF).norm() < largest_separation)) fail(t, "the parts are more than 1 m apart");
+        if (!(std::abs(mobile.R_GM(0, 2)) < largest_sine))
+            fail(t, "the mobile part has turned by more than 80 degrees");
+    }
+
+    void checkFinite(const Wrench& on_mobile, const double* zdot, double t) const {
+        if (on_mobile.force.allFinite() && on_mobile.moment.allFinite() && ConstMap(zdot, state_.count()).allFinite())
+            return;
+        fail(t, "the forces are no longer finite");
+    }
+
+    SimTK::MobilizedBody mobile_;
+    double mass_;
+    Eigen::Vector3d p_MC_;
+    std::shared_ptr<const Drive> drive_;
+    int modes_;
+    ElementState<DeviceValues> state_;
+    mutable std::string failure_;  // the integrator swallows what calcForce throws
+};
+
+const DeviceForceImplementation& getDevice(const SimTK::Force::Custom::Implementation& implementation) {
+    return static_cast<const DeviceForceImplementation&>(implementation);
+}
+
+}  // namespace
+
+DeviceForce::DeviceForce(SimTK::GeneralForceSubsystem& forces, const SimTK::MobilizedBody& mobile,
+                         const MountModel& model, std::shared_ptr<const Drive> drive)
+    : SimTK::Force::Custom(
+          forces, new DeviceForceImplementation(forces, mobile, DeviceValues(model), model.body, std::move(drive))) {}
+
+void DeviceForce::setModel(SimTK::State& state, const MountModel& model) const {
+    validate(model);
+    const auto& device = getDevice(getImplementation());
+    DeviceValues values(model);
+    const DeviceValues& old = device.elementState().defaults();
+    if (values.laws.connectionCount() != old.laws.connectionCount() ||
+        values.laws.stateCount() != old.laws.stateCount() || values.bracket.modeCount() != old.bracket.modeCount())
+        throw InputError({}, "the new model has another number of connections, internal states or bracket modes",
+                         "other values in the same model");
+    device.elementState().updValues(state) = std::move(values);
+}
+
+int DeviceForce::modeCount() const {
+    return getDevice(getImplementation()).modeCount();
+}
+
+Eigen::VectorXd DeviceForce::getEta(const SimTK::State& state) const {
+    return ConstMap(getDevice(getImplementation()).elementState().getZ(state), modeCount());
+}
+
+Eigen::VectorXd DeviceForce::getEtaDot(const SimTK::State& state) const {
+    return ConstMap(getDevice(getImplementation()).elementState().getZ(state) + modeCount(), modeCount());
+}
+
+Eigen::VectorXd DeviceForce::getEtaDotDot(const SimTK::State& state) const {
+    return ConstMap(getDevice(getImplementation()).elementState().getZDot(state) + modeCount(), modeCount());
+}
+
+void DeviceForce::setEta(SimTK::State& state, const Eigen::VectorXd& eta, const Eigen::VectorXd& eta_dot) const {
+    double* z = getDevice(getImplementation()).elementState().updZ(state);
+    Map(z, modeCount()) = eta;
+    Map(z + modeCount(), modeCount()) = eta_dot;
+}
+
+void DeviceForce::setInternalStates(SimTK::State& state, const Eigen::VectorXd& states) const {
+    const auto& device = getDevice(getImplementation());
+    Map(device.elementState().updZ(state) + 2 * modeCount(), device.lawStateCount()) = states;
+}
+
+FrameMotion DeviceForce::calcFixedMotion(const SimTK::State& state) const {
+    return getDevice(getImplementation()).calcFixedMotion(state);
+}
+
+Bracket::FrameAcceleration DeviceForce::calcFixedAcceleration(const SimTK::State& state) const {
+    if (modeCount() == 0) return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    const auto& device = getDevice(getImplementation());
+    return device.elementState().getValues(state).bracket.calcAcceleration(getEta(state), getEtaDot(state),
+                                                                           getEtaDotDot(state));
+}
+
+double DeviceForce::getDissipatedEnergy(const SimTK::State& state) const {
+    const auto& device = getDevice(getImplementation());
+    return device.elementState().getZ(state)[device.energyIndex()];
+}
+
+const std::string& DeviceForce::failure() const {
+    return getDevice(getImplementation()).failure();
+}
+
+}  // namespace wems::plugin

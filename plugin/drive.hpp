@@ -1,0 +1,36 @@
+/// @file
+/// What drives a simulation: the force at the bracket's load point and the acceleration of the base, as pure functions
+/// of time, so that trial steps, rejected steps and any output rate see the same excitation.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+
+#include "models/excitation.hpp"
+#include "models/recording/recording.hpp"
+
+namespace wems::plugin {
+
+class Drive {
+public:
+    virtual ~Drive() = default;
+    virtual double duration() const = 0;                               ///< s
+    virtual Eigen::Vector3d calcLoad(double t) const = 0;              ///< N, ground axes, as commanded or recorded
+    virtual Eigen::Vector3d calcBaseAcceleration(double t) const = 0;  ///< m/s², ground axes
+    virtual double calcFrequency(double t) const = 0;                  ///< swept frequency, Hz; NaN if nothing sweeps
+    virtual bool hasLoad() const = 0;
+    virtual bool hasBase() const = 0;
+};
+
+/// `signal` times a constant force (N) and a constant base acceleration (m/s²).
+/// @param swept false if the signal's frequency() is not the frequency of what it contains (random)
+std::shared_ptr<const Drive> makeSignalDrive(std::shared_ptr<const Signal> signal, const Eigen::Vector3d& force,
+                                             const Eigen::Vector3d& base_acceleration, bool swept);
+
+/// The load and base acceleration of a recording; its first sample is t = 0. Between samples cubic splines; constant
+/// beyond the ends. The swept frequency comes from the zero crossings of the strongest channel.
+/// @throws InputError if there is neither load nor base motion in the recording.
+std::shared_ptr<const Drive> makeReplayDrive(const Recording& recording);
+
+}  // namespace wems::plugin

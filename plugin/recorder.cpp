@@ -1,0 +1,165 @@
+#include "plugin/recorder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "models/bryant.hpp"
+
+namespace wems::plugin {
+namespace {
+
+class RecorderReporter : public SimTK::ScheduledEventReporter {
+public:
+    explicit RecorderReporter(Recorder& recorder) : recorder_(recorder) {}
+    void handleEvent(const SimTK::State& state) const override { recorder_.takeSample(state); }
+    SimTK::Real getNextEventTime(const SimTK::State& state, bool include_current) const override {
+        return recorder_.findNextTime(state.getTime(), include_current);
+    }
+
+private:
+    Recorder& recorder_;
+};
+
+/// `mobile.1` holds `mobile.1.az`, and so does `mobile`; `mobile.1.az` holds itself.
+bool concerns(const std::string& fault, const std::string& channel) {
+    return channel == fault || channel.rfind(fault + ".", 0) == 0;
+}
+
+const Eigen::Vector3d& pickVector(const DeviceMotion& motion, const ChannelName& name, std::size_t connection) {
+    if (name.part == Part::load) return motion.load;
+    if (name.part == Part::base) return motion.base;
+    const PointMotion& point = name.part == Part::mobile ? motion.mobile[connection] : motion.fixed[connection];
+    if (name.derivative == Derivative::velocity) return point.velocity;
+    return name.derivative == Derivative::acceleration ? point.acceleration : point.displacement;
+}
+
+}  // namespace
+
+std::vector<SensorChannel> makeSensorChannels(const MountModel& model, const ChannelSelection& selection, bool has_load,
+                                              bool has_base) {
+    std::vector<Derivative> derivatives;
+    if (selection.displacement) derivatives.push_back(Derivative::displacement);
+    if (selection.velocity) derivatives.push_back(Derivative::velocity);
+    if (selection.acceleration) derivatives.push_back(Derivative::acceleration);
+
+    std::vector<SensorChannel> channels;
+    const auto addTriax = [&](Part part, const std::string& connection, Derivative derivative) {
+        for (int axis = 0; axis < 3; ++axis) {
+            SensorChannel channel;
+            channel.name = {part, connection, axis, derivative};
+            const std::string name = formatChannelName(channel.name);
+            for (const SensorFault& fault : model.sensors) {
+                if (!concerns(fault.channel, name)) continue;
+                channel.gain *= fault.gain;
+                channel.delay += fault.delay;
+                channel.rotation = rotationFromVector(fault.rotation) * channel.rotation;
+            }
+            channels.push_back(channel);
+        }
+    };
+    for (const Part part : {Part::mobile, Part::fixed})
+        for (const Connection& connection : model.connections)
+            for (const Derivative derivative : derivatives) addTriax(part, connection.name, derivative);
+    if (has_load) addTriax(Part::load, "", Derivative::force);
+    if (has_base) addTriax(Part::base, "", Derivative::acceleration);
+    return channels;
+}
+
+Recorder::Recorder(const Device& device, std::vector<SensorChannel> channels, std::vector<double> times)
+    : device_(device), channels_(std::move(channels)), values_(channels_.size()) {
+    std::set<double> distinct{0.0};  // the true motion itself is watched at every row
+    for (const SensorChannel& channel : channels_) distinct.insert(channel.delay);
+    const std::vector<double> delays(distinct.begin(), distinct.end());
+    for (const SensorChannel& channel : channels_) {
+        delay_of_channel_.push_back(
+            static_cast<std::size_t>(std::find(delays.begin(), delays.end(), channel.delay) - delays.begin()));
+        connection_of_channel_.push_back(
+            channel.name.connection.empty()
+                ? 0
+                : static_cast<std::size_t>(device.model().connectionIndex(channel.name.connection)));
+    }
+    for (std::size_t d = 0; d < delays.size(); ++d)
+        for (std::size_t row = 0; row < times.size(); ++row)
+            events_.push_back({std::max(0.0, times[row] - delays[d]), row, d});
+    std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.time < b.time; });
+    for (auto& column : values_) column.assign(times.size(), 0.0);
+
+    undelayed_ = static_cast<std::size_t>(std::find(delays.begin(), delays.end(), 0.0) - delays.begin());
+
+    for (int i = 0; i < static_cast<int>(device.model().connections.size()); ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            largest_.push_back({i, axis, 0, 0});
+            const AxisLaw& law =
+                device.model().connections[static_cast<std::size_t>(i)].axis[static_cast<std::size_t>(axis)];
+            for (std::size_t stop = 0; stop < law.stops.size(); ++stop) {
+                StopContact contact;
+                contact.connection = i;
+                contact.axis = axis;
+                contact.stop = stop;
+                contacts_.push_back(contact);
+            }
+        }
+    }
+}
+
+double Recorder::endTime() const {
+    return events_.empty() ? 0 : events_.back().time;
+}
+
+SimTK::ScheduledEventReporter* Recorder::makeReporter() {
+    return new RecorderReporter(*this);
+}
+
+double Recorder::findNextTime(double time, bool include_current) const {
+    const auto next = include_current ? std::lower_bound(events_.begin(), events_.end(), time,
+                                                         [](const Event& event, double t) { return event.time < t; })
+                                      : std::upper_bound(events_.begin(), events_.end(), time,
+                                                         [](double t, const Event& event) { return t < event.time; });
+    return next == events_.end() ? SimTK::Infinity : next->time;
+}
+
+void Recorder::takeSample(const SimTK::State& state) {
+    const double time = state.getTime();
+    if (complete() || events_[next_].time > time) return;
+    const DeviceMotion motion = device_.calcMotion(state);
+    for (; !complete() && events_[next_].time <= time; ++next_) {
+        const Event& event = events_[next_];
+        for (std::size_t i = 0; i < channels_.size(); ++i) {
+            if (delay_of_channel_[i] != event.delay) continue;
+            const SensorChannel& channel = channels_[i];
+            const Eigen::Vector3d& vector = pickVector(motion, channel.name, connection_of_channel_[i]);
+            values_[i][event.row] = channel.gain * channel.rotation.row(channel.name.axis).dot(vector);
+        }
+        if (event.delay == undelayed_) watchStops(motion, time);
+    }
+    if (progress_) progress_(time);
+}
+
+void Recorder::watchStops(const DeviceMotion& motion, double time) {
+    for (LargestDisplacement& largest : largest_) {
+        const double q = motion.relative[static_cast<std::size_t>(largest.connection)].q[largest.axis];
+        if (std::abs(q) > std::abs(largest.value)) {
+            largest.value = q;
+            largest.time = time;
+        }
+    }
+    for (StopContact& contact : contacts_) {
+        const auto connection = static_cast<std::size_t>(contact.connection);
+        const AxisLaw& law = device_.model().connections[connection].axis[static_cast<std::size_t>(contact.axis)];
+        const Stop& stop = law.stops[contact.stop];
+        const double q = motion.relative[connection].q[contact.axis] + law.offset;
+        const double penetration = (stop.side == Side::positive ? q : -q) - stop.clearance;
+        if (!(penetration > 0)) continue;
+        auto& intervals = contact.intervals;
+        if (intervals.empty() || time - intervals.back().last > StopContact::longest_pause)
+            intervals.push_back({time, time, 0, 0});
+        StopContact::Interval& interval = intervals.back();
+        interval.last = time;
+        interval.deepest = std::max(interval.deepest, penetration);
+        ++interval.samples;
+    }
+}
+
+}  // namespace wems::plugin

@@ -1,0 +1,106 @@
+// The executable `simulate`: a mount model under a load or base motion, recorded as CSV.
+#include <cstdio>
+#include <exception>
+#include <iostream>
+
+#include "models/atomic_file.hpp"
+#include "models/error.hpp"
+#include "models/format_number.hpp"
+#include "models/recording/csv_writer.hpp"
+#include "plugin/progress.hpp"
+#include "plugin/simulate_options.hpp"
+#include "plugin/simulation.hpp"
+#include "plugin/summary.hpp"
+
+namespace {
+
+using namespace wems;
+using namespace wems::plugin;
+
+std::string simbodyVersion() {
+    int major = 0, minor = 0, build = 0;
+    SimTK_version_simbody(&major, &minor, &build);
+    return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(build);
+}
+
+std::string describeNoise(const SensorNoise& noise) {
+    std::string text;
+    const auto add = [&](const char* name, double level, const char* unit) {
+        if (level > 0) text += (text.empty() ? "" : ", ") + std::string(name) + " " + formatNumber(level) + " " + unit;
+    };
+    add("displacement", noise.displacement, "m");
+    add("velocity", noise.velocity, "m/s");
+    add("acceleration", noise.acceleration, "m/s^2");
+    add("load", noise.load, "N");
+    add("base", noise.base, "m/s^2");
+    return text.empty() ? "none" : text + " RMS";
+}
+
+/// Complains about an output that cannot be written before the simulation, not after it.
+void checkWritable(const std::string& file) {
+    if (!file.empty() && file != "-") AtomicFile probe(file);
+}
+
+bool participatesInBaseMotion(const MountModel& model) {
+    for (const BracketMode& mode : model.bracket)
+        if (!mode.base_participation.isZero()) return true;
+    return model.bracket.empty();
+}
+
+void run(const SimulateOptions& options) {
+    const MountModel model = readMountModel(options.model_file);
+    const Excitation excitation = makeExcitation(options);
+    for (const std::string& file : {options.output_file, options.json_file, options.report_file}) checkWritable(file);
+    if (excitation.drive->hasBase() && !participatesInBaseMotion(model))
+        std::cerr << "simulate: note: the modes file has no base.ux, base.uy, base.uz columns: the base motion shakes "
+                     "the mobile part, not the bracket's own mass\n";
+
+    Progress progress(!options.quiet);
+    SimulationSettings settings;
+    settings.times = excitation.times;
+    settings.channels = options.channels;
+    settings.noise = options.noise;
+    settings.seed = options.seed;
+    settings.accuracy = options.accuracy;
+    settings.progress = [&](double t) {
+        if (!progress.due()) return;
+        char what[80];
+        std::snprintf(what, sizeof what, "t = %.1f s of %.1f s, %.1f Hz", t, settings.times.back(),
+                      excitation.drive->calcFrequency(t));
+        progress.show(t / settings.times.back(), what);
+    };
+    SimulationResult result = simulate(model, excitation.drive, settings);
+
+    for (double& t : result.recording.time) t += excitation.time_offset;
+    result.recording.metadata = {{"program", "wems simulate " WEMS_VERSION},
+                                 {"simbody", simbodyVersion()},
+                                 {"model", model.name + " (" + options.model_file + ")"},
+                                 {"excitation", excitation.description},
+                                 {"level", excitation.level},
+                                 {"noise", describeNoise(options.noise)},
+                                 {"seed", std::to_string(options.seed)},
+                                 {"accuracy", formatNumber(options.accuracy)}};
+    const RunDescription description{model, *excitation.drive, result, excitation.time_offset};
+    if (!options.output_file.empty()) writeRecording(result.recording, options.output_file);
+    if (!options.report_file.empty()) writeHtmlSummary(description, options.report_file);
+    if (options.json_file == "-") {
+        std::cout << makeSummaryJson(description).dump(2) << "\n";
+        return;
+    }
+    if (!options.json_file.empty()) AtomicFile::write(options.json_file, makeSummaryJson(description).dump(2) + "\n");
+    if (!options.quiet) std::cout << formatSummary(description);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        int exit_status = 0;
+        const auto options = parseCommandLine(argc, argv, exit_status);
+        if (options) run(*options);
+        return exit_status;
+    } catch (const std::exception& error) {
+        std::cerr << "simulate: " << error.what() << "\n";
+    }
+    return 2;
+}

@@ -1,0 +1,189 @@
+#include "plugin/simulate_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <map>
+#include <sstream>
+#include <vector>
+
+#include "models/error.hpp"
+
+namespace wems::plugin {
+namespace {
+
+std::vector<std::string> split(const std::string& text, char separator) {
+    std::vector<std::string> parts;
+    std::stringstream stream(text);
+    for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+    if (text.empty() || text.back() == separator) parts.emplace_back();
+    return parts;
+}
+
+double parseNumber(const std::string& text, const std::string& option, const std::string& accepted) {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != '\0' || !std::isfinite(value))
+        throw InputError({"", 0, option}, "`" + text + "` is not a number", accepted);
+    return value;
+}
+
+/// `key=value,key=value`; every key must be one of `keys`.
+std::map<std::string, double> parseAssignments(const std::string& text, const std::string& option,
+                                               const std::vector<std::string>& keys, const std::string& accepted) {
+    std::map<std::string, double> values;
+    for (const std::string& part : split(text, ',')) {
+        const auto equals = part.find('=');
+        const std::string key = part.substr(0, equals);
+        if (equals == std::string::npos || std::find(keys.begin(), keys.end(), key) == keys.end())
+            throw InputError({"", 0, option}, "`" + part + "` is not understood", accepted);
+        if (!values.emplace(key, parseNumber(part.substr(equals + 1), option, accepted)).second)
+            throw InputError({"", 0, option}, "`" + key + "` is given twice", accepted);
+    }
+    return values;
+}
+
+Eigen::Vector3d parseAxes(const std::string& text, const std::string& option) {
+    Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+    const std::string accepted = "axes and values such as z=200 or x=100,y=100";
+    for (const auto& [axis, value] : parseAssignments(text, option, {"x", "y", "z"}, accepted))
+        vector[axis[0] - 'x'] = value;
+    if (vector.isZero()) throw InputError({"", 0, option}, "excites nothing", accepted);
+    return vector;
+}
+
+SensorNoise parseNoise(const std::string& text) {
+    const std::string accepted = "RMS values such as displacement=1e-6,acceleration=0.01; also velocity, load, base";
+    SensorNoise noise;
+    const std::map<std::string, double*> targets{{"displacement", &noise.displacement},
+                                                 {"velocity", &noise.velocity},
+                                                 {"acceleration", &noise.acceleration},
+                                                 {"load", &noise.load},
+                                                 {"base", &noise.base}};
+    std::vector<std::string> keys;
+    for (const auto& [key, target] : targets) keys.push_back(key);
+    for (const auto& [key, value] : parseAssignments(text, "--noise", keys, accepted)) {
+        if (value < 0) throw InputError({"", 0, "--noise"}, "`" + key + "` is negative", accepted);
+        *targets.at(key) = value;
+    }
+    return noise;
+}
+
+ChannelSelection parseChannels(const std::string& text) {
+    ChannelSelection selection{false, false, false};
+    for (const std::string& part : split(text, ',')) {
+        if (part == "displacement") {
+            selection.displacement = true;
+        } else if (part == "velocity") {
+            selection.velocity = true;
+        } else if (part == "acceleration") {
+            selection.acceleration = true;
+        } else {
+            throw InputError({"", 0, "--channels"}, "`" + part + "` is not a quantity",
+                             "displacement, velocity, acceleration, separated by commas");
+        }
+    }
+    return selection;
+}
+
+constexpr const char* footer =
+    "Exactly one of --sweep, --dwell, --random, --from-csv, and but for --from-csv one of --force,\n"
+    "--base-acceleration. The recording starts from the static equilibrium under the model's gravity;\n"
+    "displacements count from there. Exit status: 0 done, 2 bad input or usage.\n\n"
+    "Example, a sweep at 200 N along z, four octaves per minute, with a micrometre of sensor noise:\n"
+    "  simulate smallsat.toml --sweep 5:50 --rate 4 --force z=200 --noise displacement=1e-6 -o run.csv\n"
+    "The same load once more on another model, for comparison:\n"
+    "  simulate other.toml --from-csv run.csv -o other.csv";
+
+/// Everything that CLI11 cannot check by itself.
+void checkOptions(const SimulateOptions& options) {
+    const int kinds =
+        !options.sweep.empty() + !options.dwell.empty() + !options.random.empty() + !options.replay_file.empty();
+    if (kinds != 1)
+        throw InputError({"", 0, "excitation"}, kinds == 0 ? "none is given" : "more than one is given",
+                         "one of --sweep f0:f1, --dwell f:duration, --random f0:f1:duration, --from-csv FILE");
+    const int levels = !options.force.isZero() + !options.base_acceleration.isZero();
+    if (options.replay_file.empty() && levels != 1)
+        throw InputError({"", 0, "level"}, levels == 0 ? "none is given" : "both force and base acceleration are given",
+                         "one of --force z=200 and --base-acceleration z=1.0");
+    if (!options.replay_file.empty() && levels != 0)
+        throw InputError({"", 0, "--from-csv"}, "the recording says load and base motion itself",
+                         "no --force and no --base-acceleration beside it");
+    if (options.sweep.empty() && (options.octaves_per_minute || options.hertz_per_second))
+        throw InputError({"", 0, "--rate"}, "is the rate of a sweep, and there is none", "--sweep f0:f1");
+    if (options.octaves_per_minute && options.hertz_per_second)
+        throw InputError({"", 0, "--rate"}, "and --linear-rate are both given", "one of them");
+    if (!options.replay_file.empty() && options.fade > 0)
+        throw InputError({"", 0, "--fade"}, "does not go with --from-csv", "a sweep, dwell or random excitation");
+    const auto requirePositive = [](const std::optional<double>& value, const char* name) {
+        if (value && !(*value > 0 && std::isfinite(*value)))
+            throw InputError({"", 0, name}, "is not above zero", "a number above 0");
+    };
+    requirePositive(options.duration, "--duration");
+    requirePositive(options.sample_rate, "--sample-rate");
+    requirePositive(options.octaves_per_minute, "--rate");
+    requirePositive(options.hertz_per_second, "--linear-rate");
+    if (!(options.fade >= 0)) throw InputError({"", 0, "--fade"}, "is negative", "seconds, from 0 on");
+    if (!(options.accuracy > 0 && options.accuracy < 1))
+        throw InputError({"", 0, "--accuracy"}, "is out of range", "a number between 0 and 1, such as 1e-6");
+}
+
+}  // namespace
+
+std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* argv, int& exit_status) {
+    SimulateOptions options;
+    std::string force, base, noise, channels;
+    CLI::App app{"Simulate equipment on elastomer mounts with stops (Simbody) and record it as CSV."};
+    app.name("simulate");
+    app.footer(footer);
+    app.add_option("MODEL", options.model_file, "mount model, TOML")->required();
+    app.add_option("-o,--output", options.output_file, "recording to write, CSV");
+    app.add_option("--sweep", options.sweep, "sine sweep f0:f1 in Hz, downwards if f1 < f0");
+    app.add_option("--rate", options.octaves_per_minute, "logarithmic sweep rate, octaves per minute (default 4)");
+    app.add_option("--linear-rate", options.hertz_per_second, "linear sweep rate, Hz per second");
+    app.add_option("--dwell", options.dwell, "sine f:duration in Hz and s");
+    app.add_option("--random", options.random, "band-limited noise f0:f1:duration in Hz and s; levels are RMS");
+    app.add_option("--from-csv", options.replay_file, "replay the load or base motion of this recording");
+    app.add_option("--columns", options.column_map, "TOML that maps that recording's column names to channel names");
+    app.add_option("--force", force, "force at the bracket's load point, N, such as z=200 or x=100,y=100");
+    app.add_option("--base-acceleration", base, "acceleration of the base, m/s^2, such as z=1.0");
+    app.add_option("--fade", options.fade, "fade in and out over so many seconds");
+    app.add_option("--duration", options.duration, "end the run after so many seconds");
+    app.add_option("--sample-rate", options.sample_rate,
+                   "Hz (default 1000; with --from-csv the time stamps of the recording)");
+    app.add_option("--channels", channels, "quantities to record (default displacement,acceleration; also velocity)");
+    app.add_option("--noise", noise, "sensor noise, RMS in SI units, such as displacement=1e-6,acceleration=0.01");
+    app.add_option("--seed", options.seed, "seed of sensor noise and random excitation (default 1)");
+    app.add_option("--accuracy", options.accuracy, "integrator accuracy, m and m/s for each step (default 1e-6)");
+    app.add_option("--json", options.json_file, "write the summary as JSON to FILE (- for standard output)");
+    app.add_option("--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
+    app.add_flag("-q,--quiet", options.quiet, "no progress, no summary");
+    app.set_version_flag("--version", "wems simulate " WEMS_VERSION);
+    options.accuracy = 1e-6;
+    exit_status = 0;
+    try {
+        app.parse(argc, argv);
+        if (!force.empty()) options.force = parseAxes(force, "--force");
+        if (!base.empty()) options.base_acceleration = parseAxes(base, "--base-acceleration");
+        if (!noise.empty()) options.noise = parseNoise(noise);
+        if (!channels.empty()) options.channels = parseChannels(channels);
+        checkOptions(options);
+        return options;
+    } catch (const CLI::CallForHelp&) {
+        std::cout << app.help();
+        return std::nullopt;
+    } catch (const CLI::CallForVersion& version) {
+        std::cout << version.what() << "\n";
+        return std::nullopt;
+    } catch (const CLI::ParseError& error) {
+        std::cerr << "simulate: " << error.what() << " (simulate --help lists the options)\n";
+    } catch (const InputError& error) {
+        std::cerr << "simulate: " << error.what() << "\n";
+    }
+    exit_status = 2;
+    return std::nullopt;
+}
+
+}  // namespace wems::plugin

@@ -1,0 +1,59 @@
+/// @file
+/// Command line of the executable simulate.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "plugin/drive.hpp"
+#include "plugin/recorder.hpp"
+#include "plugin/sensor_noise.hpp"
+
+namespace wems::plugin {
+
+/// What the user asked for, checked as far as it can be without opening a file.
+struct SimulateOptions {
+    std::string model_file;
+    std::string output_file, json_file, report_file;
+
+    // One of these.
+    std::string sweep;   ///< f0:f1, Hz
+    std::string dwell;   ///< f:duration, Hz and s
+    std::string random;  ///< f0:f1:duration
+    std::string replay_file;
+
+    std::optional<double> octaves_per_minute, hertz_per_second;   ///< of a sweep; without both 4 octaves per minute
+    double fade = 0;                                              ///< s, at start and end
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();              ///< N
+    Eigen::Vector3d base_acceleration = Eigen::Vector3d::Zero();  ///< m/s²
+    std::optional<double> duration;                               ///< s, cuts the run
+    std::string column_map;                                       ///< of the recording to replay
+
+    std::optional<double> sample_rate;  ///< Hz; without it 1000, or the rows of the recording to replay
+    double accuracy = 0;
+    ChannelSelection channels;
+    SensorNoise noise;
+    std::uint64_t seed = 1;
+    bool quiet = false;
+};
+
+/// Reads the command line. Prints help where asked for.
+/// @return options, or nullopt with `exit_status` if there is nothing to do: 0 after help, 2 after a usage error, which
+/// is printed on one line of standard error.
+std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* argv, int& exit_status);
+
+/// Excitation, output times and what to call it.
+struct Excitation {
+    std::shared_ptr<const Drive> drive;
+    std::vector<double> times;  ///< s from the start of the run
+    double time_offset = 0;     ///< s, added in the output: a replay keeps the recording's time stamps
+    std::string description;    ///< `sweep 5 to 50 Hz, 4 octaves per minute`
+    std::string level;          ///< `force x=0 y=0 z=200 N`
+};
+/// @throws InputError on values out of range or a recording that cannot be replayed.
+Excitation makeExcitation(const SimulateOptions& options);
+
+}  // namespace wems::plugin

@@ -1,0 +1,96 @@
+#include "plugin/simulation.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "models/error.hpp"
+#include "models/load_gain.hpp"
+
+namespace wems::plugin {
+namespace {
+
+void checkSettings(const MountModel& model, const Drive& drive, const SimulationSettings& settings) {
+    if (settings.times.empty()) throw InputError({}, "the run has no sample", "a duration above the sample interval");
+    if (!(settings.accuracy > 0 && settings.accuracy < 1))
+        throw InputError({"", 0, "accuracy"}, "is out of range", "a number between 0 and 1, such as 1e-6");
+    if (drive.hasLoad() && model.load && dependsOnFrequency(*model.load) && std::isnan(drive.calcFrequency(0)))
+        throw InputError({"", 0, "load.gain_over_frequency"}, "the excitation has no swept frequency",
+                         "a sweep, a dwell, or a single `gain`");
+}
+
+/// Where the motion was when the integrator gave up.
+std::string describeFailure(const Device& device, const SimTK::State& state, const std::string& simbody_message) {
+    double largest = 0;
+    if (state.getSystemStage() >= SimTK::Stage::Velocity) {
+        const BodyMotion mobile = calcFrameMotion(device.body(), SimTK::Transform(), state);
+        const FrameMotion fixed = device.force().calcFixedMotion(state);
+        for (const Connection& connection : device.model().connections)
+            largest = std::max(largest, calcRelativeMotion(mobile, fixed, connection.position).q.cwiseAbs().maxCoeff());
+    }
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the integration broke off at t = %.6g s, relative displacement %.3g m: ", state.getTime(), largest);
+    return text + (device.force().failure().empty() ? simbody_message : device.force().failure());
+}
+
+Recording makeRecording(const Recorder& recorder, const SimulationSettings& settings) {
+    Recording recording;
+    recording.time = settings.times;
+    for (std::size_t i = 0; i < recorder.channels().size(); ++i) {
+        const ChannelName& name = recorder.channels()[i].name;
+        Channel channel;
+        channel.name = formatChannelName(name);
+        channel.unit = name.part == Part::load                       ? "N"
+                       : name.derivative == Derivative::displacement ? "m"
+                       : name.derivative == Derivative::velocity     ? "m/s"
+                                                                     : "m/s^2";
+        channel.values = recorder.values()[i];
+        channel.column = static_cast<int>(i) + 2;
+        addNoise(settings.noise, settings.seed, name, channel.values);
+        recording.channels.push_back(std::move(channel));
+    }
+    return recording;
+}
+
+}  // namespace
+
+SimulationResult simulate(const MountModel& model, std::shared_ptr<const Drive> drive,
+                          const SimulationSettings& settings) {
+    checkSettings(model, *drive, settings);
+    const bool has_load = drive->hasLoad(), has_base = drive->hasBase();
+    Device device(model, std::move(drive), settings.times.back());
+    Recorder recorder(device, makeSensorChannels(model, settings.channels, has_load, has_base), settings.times);
+    recorder.setProgress(settings.progress);
+    device.updSystem().addEventReporter(recorder.makeReporter());
+    const SimTK::State start = device.makeRestState();
+
+    SimTK::RungeKuttaMersonIntegrator integrator(device.system());
+    integrator.setAccuracy(settings.accuracy);
+    integrator.setMaximumStepSize(settings.longest_step);
+    SimTK::TimeStepper stepper(device.system(), integrator);
+    const auto clock_start = std::chrono::steady_clock::now();
+    stepper.initialize(start);
+    try {
+        stepper.stepTo(recorder.endTime());
+    } catch (const SimTK::Exception::Base& error) {
+        throw std::runtime_error(describeFailure(device, integrator.getState(), error.getMessageText()));
+    }
+    if (!recorder.complete()) recorder.takeSample(integrator.getState());
+    if (!recorder.complete()) throw std::logic_error("the simulation ended before its last sample");
+
+    SimulationResult result;
+    result.recording = makeRecording(recorder, settings);
+    result.contacts = recorder.contacts();
+    result.largest = recorder.largest();
+    result.cost.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
+    result.cost.steps = integrator.getNumStepsTaken();
+    result.cost.attempted_steps = integrator.getNumStepsAttempted();
+    result.cost.realizations = integrator.getNumRealizations();
+    return result;
+}
+
+}  // namespace wems::plugin

@@ -1,0 +1,148 @@
+#include "plugin/summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "models/format_number.hpp"
+#include "models/report/html_report.hpp"
+#include "models/text_table.hpp"
+
+namespace wems::plugin {
+namespace {
+
+std::string formatFixed(double value, int decimals) {
+    if (!std::isfinite(value)) return "-";
+    char text[40];
+    std::snprintf(text, sizeof text, "%.*f", decimals, value);
+    return text;
+}
+
+std::string nameAxis(const MountModel& model, int connection, int axis) {
+    return model.connections[static_cast<std::size_t>(connection)].name + "." + "xyz"[axis];
+}
+
+const Stop& findStop(const MountModel& model, const StopContact& contact) {
+    return model.connections[static_cast<std::size_t>(contact.connection)]
+        .axis[static_cast<std::size_t>(contact.axis)]
+        .stops[contact.stop];
+}
+
+std::string nameStop(const MountModel& model, const StopContact& contact) {
+    return nameAxis(model, contact.connection, contact.axis) +
+           (findStop(model, contact).side == Side::positive ? ".+" : ".-");
+}
+
+Table makeStopTable(const RunDescription& run) {
+    Table table({"stop reached", "from [Hz]", "to [Hz]", "from [s]", "to [s]", "deepest [mm]", "samples"});
+    for (const StopContact& contact : run.result.contacts) {
+        std::string name = nameStop(run.model, contact);
+        for (const StopContact::Interval& interval : contact.intervals) {
+            table.addRow({name, formatFixed(run.drive.calcFrequency(interval.first), 2),
+                          formatFixed(run.drive.calcFrequency(interval.last), 2),
+                          formatFixed(interval.first + run.time_offset, 3),
+                          formatFixed(interval.last + run.time_offset, 3), formatFixed(1e3 * interval.deepest, 4),
+                          std::to_string(interval.samples)});
+            name.clear();
+        }
+    }
+    return table;
+}
+
+Table makeDisplacementTable(const RunDescription& run) {
+    Table table({"relative displacement", "largest [mm]", "at [Hz]", "at [s]"});
+    for (const LargestDisplacement& largest : run.result.largest)
+        table.addRow({nameAxis(run.model, largest.connection, largest.axis), formatFixed(1e3 * largest.value, 4),
+                      formatFixed(run.drive.calcFrequency(largest.time), 2),
+                      formatFixed(largest.time + run.time_offset, 3)});
+    return table;
+}
+
+std::string describeCost(const SimulationCost& cost) {
+    return formatNumber(cost.wall_time, 3) + " s wall, " + std::to_string(cost.steps) + " steps of " +
+           std::to_string(cost.attempted_steps) + " attempted, " + std::to_string(cost.realizations) + " realizations";
+}
+
+nlohmann::json finiteOrNull(double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
+
+}  // namespace
+
+std::string formatSummary(const RunDescription& run) {
+    const Table stops = makeStopTable(run);
+    return (stops.empty() ? std::string("no stop reached\n") : stops.format()) + "\n" +
+           makeDisplacementTable(run).format() + "\n" + describeCost(run.result.cost) + "\n";
+}
+
+nlohmann::json makeSummaryJson(const RunDescription& run) {
+    nlohmann::json stops = nlohmann::json::array(), displacements = nlohmann::json::array();
+    for (const StopContact& contact : run.result.contacts) {
+        nlohmann::json intervals = nlohmann::json::array();
+        for (const StopContact::Interval& interval : contact.intervals)
+            intervals.push_back({{"first_time", interval.first + run.time_offset},
+                                 {"last_time", interval.last + run.time_offset},
+                                 {"first_frequency", finiteOrNull(run.drive.calcFrequency(interval.first))},
+                                 {"last_frequency", finiteOrNull(run.drive.calcFrequency(interval.last))},
+                                 {"deepest", interval.deepest},
+                                 {"samples", interval.samples}});
+        stops.push_back({{"name", nameStop(run.model, contact)}, {"contacts", intervals}});
+    }
+    for (const LargestDisplacement& largest : run.result.largest)
+        displacements.push_back({{"name", nameAxis(run.model, largest.connection, largest.axis)},
+                                 {"largest", largest.value},
+                                 {"time", largest.time + run.time_offset},
+                                 {"frequency", finiteOrNull(run.drive.calcFrequency(largest.time))}});
+    return {{"stops", stops},
+            {"relative_displacements", displacements},
+            {"samples", run.result.recording.sampleCount()},
+            {"cost",
+             {{"wall_time", run.result.cost.wall_time},
+              {"steps", run.result.cost.steps},
+              {"attempted_steps", run.result.cost.attempted_steps},
+              {"realizations", run.result.cost.realizations}}}};
+}
+
+void writeHtmlSummary(const RunDescription& run, const std::string& file) {
+    HtmlReport report("Simulation of " + run.model.name);
+    const Recording& recording = run.result.recording;
+    for (const auto& [key, value] : recording.metadata) report.addText(key + ": " + value);
+    const Table stops = makeStopTable(run), displacements = makeDisplacementTable(run);
+    report.addHeading("Stops");
+    if (stops.empty()) {
+        report.addText("No stop was reached.");
+    } else {
+        report.addTable(stops.header(), stops.rows());
+    }
+    report.addHeading("Largest relative displacements");
+    report.addTable(displacements.header(), displacements.rows());
+
+    std::vector<double> sweep;
+    for (const double t : recording.time) sweep.push_back(run.drive.calcFrequency(t - run.time_offset));
+    // Against frequency where it sweeps, against time otherwise.
+    const bool swept = std::isfinite(sweep.front()) && sweep.front() != sweep.back();
+    for (const Part part : {Part::mobile, Part::fixed}) {
+        for (const Derivative derivative : {Derivative::displacement, Derivative::acceleration}) {
+            for (int axis = 0; axis < 3; ++axis) {
+                const std::string side = part == Part::mobile ? "Mobile part, " : "Fixed part, ";
+                const bool displacement = derivative == Derivative::displacement;
+                Plot plot;
+                plot.title = side + (displacement ? "displacement " : "acceleration ") + "xyz"[axis];
+                plot.x_label = swept ? "swept frequency [Hz]" : "time [s]";
+                plot.y_label = displacement ? "displacement [m]" : "acceleration [m/s^2]";
+                for (const Connection& connection : run.model.connections) {
+                    const Channel* channel =
+                        recording.find(formatChannelName({part, connection.name, axis, derivative}));
+                    if (channel != nullptr)
+                        plot.series.push_back({connection.name, swept ? sweep : recording.time, channel->values});
+                }
+                if (!plot.series.empty()) report.addPlot(plot);
+            }
+        }
+    }
+    report.addText(describeCost(run.result.cost));
+    report.write(file);
+}
+
+}  // namespace wems::plugin

@@ -1,0 +1,30 @@
+/// @file
+/// What the executable simulate says about a run: text, JSON, HTML.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "models/mount_model.hpp"
+#include "plugin/drive.hpp"
+#include "plugin/simulation.hpp"
+
+namespace wems::plugin {
+
+/// The run that a summary is about; refers to what the caller keeps.
+struct RunDescription {
+    const MountModel& model;
+    const Drive& drive;
+    const SimulationResult& result;
+    double time_offset;  ///< s, added to all times
+};
+
+/// Stops that were reached (from and to which frequency and time, deepest penetration), the largest relative
+/// displacements, and what the run cost.
+std::string formatSummary(const RunDescription& run);
+nlohmann::json makeSummaryJson(const RunDescription& run);
+
+/// The summary with plots of the relative displacements and accelerations. @throws InputError: cannot be written.
+void writeHtmlSummary(const RunDescription& run, const std::string& file);
+
+}  // namespace wems::plugin

@@ -1,0 +1,48 @@
+# Sourced by the scripts beside it: packages, quiet steps, build trees.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
+logs=build/logs
+mkdir -p "$logs"
+started=$SECONDS
+
+build_packages="ca-certificates g++ cmake ninja-build ccache libeigen3-dev libsimbody-dev libtomlplusplus-dev libfast-float-dev
+  nlohmann-json3-dev libcli11-dev libceres-dev libboost-math-dev libfftw3-dev libjs-dygraphs python3"
+test_packages="catch2 clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev"
+
+# step NAME COMMAND …: one line when it passes; what failed and the end of its output when it fails.
+step() {
+  local name=$1 log=$logs/${1//[^A-Za-z0-9]/_}.log from=$SECONDS
+  shift
+  if "$@" >"$log" 2>&1; then
+    printf '%-28s ok  %4d s\n' "$name" $((SECONDS - from))
+  else
+    printf '%-28s FAILED after %d s; %s says:\n' "$name" $((SECONDS - from)) "$log"
+    grep -E '(error|Error|FAILED|\*\*\*Failed|warning:)' "$log" | head -n 20 || true
+    tail -n 30 "$log"
+    exit 1
+  fi
+}
+
+# install PACKAGE …: installs what is missing, and nothing else.
+install() {
+  local missing=()
+  for package in "$@"; do
+    [ "$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null)" = "install ok installed" ] || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return 0
+  local as_root=()
+  [ "$(id -u)" -eq 0 ] || as_root=(sudo)
+  "${as_root[@]}" apt-get update
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
+}
+
+# build PRESET [OPTION…] [-- TARGET…]: configures build/PRESET and builds the targets (all without any).
+build() {
+  local preset=$1 options=() targets=()
+  shift
+  while [ $# -gt 0 ] && [ "$1" != -- ]; do options+=("$1"); shift; done
+  [ $# -gt 0 ] && shift
+  for target in "$@"; do targets+=(--target "$target"); done
+  cmake --preset "$preset" "${options[@]}" && cmake --build "build/$preset" "${targets[@]}"
+}

@@ -1,0 +1,66 @@
+// What drives a run: interpolation between samples, swept frequency, load correction.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "models/error.hpp"
+#include "models/excitation.hpp"
+#include "tests/forward/forward_fixture.hpp"
+
+using namespace wems;
+using namespace wems::identify;
+
+TEST_CASE("the load between samples is met to fourth order") {
+    const auto measure = [](double interval) {
+        TimeGrid coarse = test::makeGrid(interval, static_cast<int>(std::lround(0.2 / interval)) + 1);
+        TimeGrid fine = coarse;
+        fine.steps_per_sample = 4;
+        Eigen::Matrix3Xd load = Eigen::Matrix3Xd::Zero(3, coarse.samples);
+        for (int k = 0; k < coarse.samples; ++k) load(1, k) = std::sin(2 * M_PI * 50 * coarse.sampleTime(k));
+        const Drive drive = Drive::makeLoad(test::makeTimes(coarse), load, {}, fine);
+        double worst = 0;  // two intervals at each end have lower order
+        for (int half = 16; half < fine.halfSteps() - 16; ++half)
+            worst =
+                std::max(worst, std::abs(drive.load()(1, half) - std::sin(2 * M_PI * 50 * fine.halfStepTime(half))));
+        return worst;
+    };
+    CHECK(measure(1e-3) < 5e-5);
+    CHECK(std::log2(measure(1e-3) / measure(5e-4)) == Approx(4).margin(0.3));
+}
+
+TEST_CASE("outside of the recorded time there is no load, and no motion to follow") {
+    const TimeGrid recorded = test::makeGrid(1e-3, 11);
+    TimeGrid longer = test::makeGrid(1e-3, 21);
+    const Eigen::Matrix3Xd load = Eigen::Matrix3Xd::Ones(3, 11);
+    const Drive drive = Drive::makeLoad(test::makeTimes(recorded), load, {}, longer);
+    CHECK(drive.load()(0, longer.halfStepOf(10)) == Approx(1));
+    CHECK(drive.load()(0, longer.halfStepOf(11)) == 0);
+    PartMotion still;
+    for (auto* matrix : {&still.p, &still.theta, &still.v, &still.w}) *matrix = Eigen::Matrix3Xd::Zero(3, 11);
+    CHECK_THROWS_AS(Drive::makeFixedMotion(test::makeTimes(recorded), still, longer), std::invalid_argument);
+}
+
+TEST_CASE("the load correction acts on the recorded load") {
+    MountModel model = test::makeCross();
+    model.bracket = test::makeBracketModes();
+    const TimeGrid grid = test::makeGrid(1e-3, 1001, 2);
+    const std::vector<double> times = test::makeTimes(grid);
+    const auto sweep = makeLinearSweep(10, 40, 30);
+    Eigen::Matrix3Xd load = Eigen::Matrix3Xd::Zero(3, grid.samples);
+    for (int k = 0; k < grid.samples; ++k) load(2, k) = 10 * sweep->value(grid.sampleTime(k));
+    const Drive drive = Drive::makeLoad(times, load, {}, grid);
+
+    MountModel corrected = model;
+    corrected.load = LoadCorrection{{{0.0, 0.7}}};
+    const Eigen::MatrixXd by_gain = ForwardModel(corrected).simulate(drive).q;
+    CHECK(test::calcRelativeError(
+              by_gain, ForwardModel(model).simulate(Drive::makeLoad(times, 0.7 * load, {}, grid)).q) < 1e-10);
+
+    corrected.load = LoadCorrection{{{10.0, 1.0}, {40.0, 0.4}}};  // falls linearly with time: f = 10 + 30 t
+    Eigen::Matrix3Xd falling = load;
+    for (int k = 0; k < grid.samples; ++k) falling.col(k) *= 1 - 0.6 * grid.sampleTime(k);
+    CHECK(test::calcRelativeError(ForwardModel(corrected).simulate(drive).q,
+                                  ForwardModel(model).simulate(Drive::makeLoad(times, falling, {}, grid)).q) < 0.02);
+
+    const Drive constant = Drive::makeLoad(times, Eigen::Matrix3Xd::Ones(3, grid.samples), {}, grid);
+    CHECK_THROWS_AS(ForwardModel(corrected).simulate(constant), InputError);
+}

@@ -1,0 +1,97 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "models/error.hpp"
+#include "models/excitation.hpp"
+
+using namespace wems;
+
+TEST_CASE("sweeps: the phase is the integral of the frequency, which runs from f0 to f1") {
+    const auto make = GENERATE(values<std::function<std::unique_ptr<Signal>()>>({
+        [] { return makeLogarithmicSweep(5, 50, 4); },
+        [] { return makeLogarithmicSweep(50, 5, 4); },
+        [] { return makeLinearSweep(5, 50, 0.9); },
+        [] { return makeLinearSweep(50, 5, 0.9); },
+        [] { return makeDwell(17, 3); },
+    }));
+    const auto signal = make();
+    const double T = signal->duration();
+    const int steps = 20000;
+    double phase = 0;  // Simpson's rule
+    for (int i = 0; i < steps; ++i) {
+        const double a = T * i / steps, b = T * (i + 1) / steps;
+        phase +=
+            2 * M_PI * (b - a) / 6 * (signal->frequency(a) + 4 * signal->frequency((a + b) / 2) + signal->frequency(b));
+        if (i % 1000 == 0) {
+            CHECK(signal->phase(b) == Approx(phase).margin(1e-7));
+            CHECK(signal->value(b) == Approx(std::sin(phase)).margin(1e-6));
+        }
+    }
+    CHECK(signal->value(-1e-9) == 0);
+    CHECK(signal->value(T + 1e-9) == 0);
+}
+
+TEST_CASE("logarithmic sweep: rate in octaves per minute") {
+    const auto up = makeLogarithmicSweep(5, 50, 4), down = makeLogarithmicSweep(50, 5, 4);
+    CHECK(up->duration() == Approx(60 * std::log2(10.0) / 4));
+    CHECK(up->frequency(15) == Approx(10));
+    CHECK(up->frequency(up->duration()) == Approx(50));
+    CHECK(down->frequency(15) == Approx(25));
+    CHECK(down->frequency(down->duration()) == Approx(5));
+}
+
+TEST_CASE("fades rise and fall as raised cosines") {
+    const auto plain = makeDwell(40, 2), faded = makeDwell(40, 2, {0.5, 0.25});
+    CHECK(faded->value(0.25 + 1e-3) / plain->value(0.25 + 1e-3) == Approx(0.5 * (1 - std::cos(M_PI * 0.502))));
+    CHECK(faded->value(1.003) == plain->value(1.003));
+    CHECK(faded->value(1.9) / plain->value(1.9 + 0) == Approx(0.5 * (1 - std::cos(M_PI * 0.4))));
+    CHECK_THROWS_AS(makeDwell(40, 2, {1.5, 0.6}), InputError);
+    CHECK_THROWS_AS(makeDwell(40, 2, {-0.1, 0}), InputError);
+}
+
+TEST_CASE("random: unit RMS, inside its band, the same for the same seed only") {
+    const double T = 8, rate = 512;
+    const auto signal = makeBandLimitedRandom(10, 40, T, 42), same = makeBandLimitedRandom(10, 40, T, 42),
+               other = makeBandLimitedRandom(10, 40, T, 43);
+    const int n = static_cast<int>(T * rate);
+    std::vector<double> samples;
+    double squares = 0, difference = 0, product = 0;
+    for (int i = 0; i < n; ++i) {
+        const double x = signal->value(i / rate), y = other->value(i / rate);
+        samples.push_back(x);
+        squares += x * x;
+        difference += std::abs(x - same->value(i / rate));
+        product += x * y;
+    }
+    CHECK(std::sqrt(squares / n) == Approx(1).epsilon(1e-3));
+    CHECK(difference == 0);
+    CHECK(std::abs(product / n) < 0.3);
+    // All power lies at multiples of 1/T inside the band (discrete Fourier sums).
+    const auto power = [&](double f) {
+        std::complex<double> sum = 0;
+        for (int i = 0; i < n; ++i)
+            sum += samples[static_cast<std::size_t>(i)] * std::polar(1.0, -2 * M_PI * f * i / rate);
+        return std::norm(sum / double(n));
+    };
+    double inside = 0, outside = 0;
+    for (int k = 1; k < 80; ++k) outside += power(k / T);
+    for (int k = 80; k <= 320; ++k) inside += power(k / T);
+    for (int k = 321; k < 480; ++k) outside += power(k / T);
+    CHECK(2 * inside == Approx(1).epsilon(1e-3));
+    CHECK(outside < 1e-6);
+}
+
+TEST_CASE("excitation that makes no sense is refused") {
+    CHECK_THROWS_AS(makeLogarithmicSweep(0, 50, 4), InputError);
+    CHECK_THROWS_AS(makeLogarithmicSweep(5, -50, 4), InputError);
+    CHECK_THROWS_AS(makeLogarithmicSweep(5, 50, 0), InputError);
+    CHECK_THROWS_AS(makeLogarithmicSweep(5, 5, 4), InputError);
+    CHECK_THROWS_AS(makeLinearSweep(5, NAN, 4), InputError);
+    CHECK_THROWS_AS(makeDwell(5, 0), InputError);
+    CHECK_THROWS_AS(makeBandLimitedRandom(50, 5, 10, 1), InputError);
+    CHECK_THROWS_AS(makeBandLimitedRandom(5.1, 5.2, 1, 1), InputError);
+}

@@ -1,0 +1,178 @@
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "models/error.hpp"
+#include "models/mount_model.hpp"
+
+using namespace wems;
+
+namespace {
+
+// Line numbers in the cases below count in this text.
+const std::string good = R"(name = "m"
+gravity = [0.0, 0.0, -9.81]
+[body]
+mass = 8.0
+inertia = [0.12, 0.12, 0.03]
+[[connection]]
+name = "1"
+position = [0.1, 0.0, 0.0]
+[connection.z]
+stiffness = 1.0e5
+stops = [ { side = "+", clearance = 1.0e-3, stiffness = 1.0e6 },
+          { side = "-", clearance = 1.0e-3, stiffness = 1.0e6 } ]
+[[connection]]
+name = "2"
+position = [-0.1, 0.0, 0.0]
+[connection.x]
+stiffness = 1.0e5
+)";
+
+std::string replaced(const std::string& from, const std::string& to) {
+    std::string text = good;
+    const auto place = text.find(from);
+    REQUIRE(place != std::string::npos);
+    return text.replace(place, from.size(), to);
+}
+
+struct Case {
+    std::string from, to;  // empty `from`: appended
+    long line;
+    std::string key, part;
+};
+
+void check(const Case& bad) {
+    const std::string text = bad.from.empty() ? good + bad.to : replaced(bad.from, bad.to);
+    CAPTURE(bad.from, bad.to);
+    try {
+        parseMountModel(text, WEMS_SOURCE_DIR "/tests/models/data/m.toml");
+        FAIL("was accepted");
+    } catch (const InputError& error) {
+        CAPTURE(error.what());
+        CHECK(error.location().file == WEMS_SOURCE_DIR "/tests/models/data/m.toml");
+        CHECK(error.location().line == bad.line);
+        CHECK(error.location().key == bad.key);
+        CHECK_THAT(error.what(), Catch::Contains(bad.part));
+        CHECK_THAT(error.what(), !Catch::Contains("\n"));
+    }
+}
+
+}  // namespace
+
+TEST_CASE("the text that the errors start from is a model") {
+    CHECK(parseMountModel(good, "m.toml").body.mass == 8);
+}
+
+TEST_CASE("bad model: syntax, unknown keys, wrong types") {
+    check(GENERATE(values<Case>({
+        {"mass = 8.0", "mass = = 8.0", 4, "", "not valid TOML"},
+        {"mass = 8.0", "mass = 8.0\nmass = 9.0", 5, "", "not valid TOML"},
+        {"name = \"m\"", "nmae = \"m\"", 1, "nmae", "accepted: name, gravity, body"},
+        {"mass = 8.0", "mas = 8.0", 3, "body.mass", "missing"},
+        {"mass = 8.0", "mass = 8.0\ncolour = 1", 5, "body.colour", "center_of_gravity"},
+        {"[connection.z]", "[connection.w]", 6, "connection[0]", "no axis"},
+        {"[connection.x]", "[connection.y]\nstiffness = 1\n[connection.w]", 18, "connection[1].w", "not known"},
+        {"stiffness = 1.0e5\nstops", "stiffness = 1.0e5\ndampings = 1\nstops", 11, "connection[0].z.dampings",
+         "damping"},
+        {"stiffness = 1.0e6 },", "stiffness = 1.0e6, colour = 1 },", 11, "connection[0].z.stops[0].colour",
+         "not known"},
+        {"mass = 8.0", "mass = \"8\"", 4, "body.mass", "string"},
+        {"mass = 8.0", "mass = [8.0]", 4, "body.mass", "array"},
+        {"mass = 8.0", "mass = true", 4, "body.mass", "boolean"},
+        {"name = \"m\"", "name = 3", 1, "name", "text in quotes"},
+        {"name = \"1\"", "name = 1", 7, "connection[0].name", "text in quotes"},
+        {"[0.1, 0.0, 0.0]", "[0.1, 0.0]", 8, "connection[0].position", "2 values"},
+        {"[0.1, 0.0, 0.0]", "[0.1, \"a\", 0.0]", 8, "connection[0].position[1]", "string"},
+        {"[0.12, 0.12, 0.03]", "[0.12, 0.12, 0.03, 0.0]", 5, "body.inertia", "Ixy"},
+        {"[[connection]]", "[connection]", 13, "", "not valid TOML"},
+        {"side = \"+\"", "side = \"up\"", 11, "connection[0].z.stops[0].side", "\"-\""},
+    })));
+}
+
+TEST_CASE("bad model: missing keys") {
+    check(GENERATE(values<Case>({
+        {"inertia = [0.12, 0.12, 0.03]", "", 3, "body.inertia", "kg m^2"},
+        {"position = [0.1, 0.0, 0.0]", "", 6, "connection[0].position", "missing"},
+        {"name = \"2\"", "", 13, "connection[1].name", "missing"},
+        {"stiffness = 1.0e5\nstops", "stops", 9, "connection[0].z.stiffness", "N/m"},
+        {"clearance = 1.0e-3, ", "", 11, "connection[0].z.stops[0].clearance", "missing"},
+        {", stiffness = 1.0e6 } ]", " } ]", 12, "connection[0].z.stops[1].stiffness", "missing"},
+        {"side = \"+\", ", "", 11, "connection[0].z.stops[0].side", "missing"},
+        {"", "relaxation = { stiffness_ratio = 0.1 }", 18, "connection[1].x.relaxation.time_constant", "missing"},
+        {"", "friction = { force = 1.0 }", 18, "connection[1].x.friction.transition_velocity", "missing"},
+        {"", "friction = { transition_velocity = 1.0 }", 18, "connection[1].x.friction.force", "missing"},
+        {"", "[bracket]\n", 18, "bracket.modes", "missing"},
+        {"", "[load]\n", 18, "load", "has no gain"},
+        {"", "[[sensor]]\ngain = 1.0\n", 18, "sensor[0].channel", "missing"},
+    })));
+    CHECK_THROWS_WITH(parseMountModel("name = \"m\"", "m.toml"), Catch::Contains("m.toml: body: is missing"));
+    CHECK_THROWS_WITH(parseMountModel("[body]\nmass = 1.0\ninertia = [1, 1, 1]\n", "m.toml"),
+                      Catch::Contains("m.toml: connection: there is none"));
+    CHECK_THROWS_WITH(readMountModel("/nowhere/m.toml"), Catch::Contains("/nowhere/m.toml: there is no such file"));
+}
+
+TEST_CASE("bad model: values out of range") {
+    check(GENERATE(values<Case>({
+        {"mass = 8.0", "mass = -8.0", 4, "body.mass", "-8"},
+        {"mass = 8.0", "mass = 0", 4, "body.mass", "above 0"},
+        {"mass = 8.0", "mass = nan", 4, "body.mass", "nan"},
+        {"-9.81]", "inf]", 2, "gravity[2]", "inf"},
+        {"[0.12, 0.12, 0.03]", "[0.12, 0.12, 0.25]", 5, "body.inertia", "sum of the other two"},
+        {"[0.12, 0.12, 0.03]", "[0.12, 0.12, -0.03]", 5, "body.inertia", "above 0"},
+        {"[0.12, 0.12, 0.03]", "[0.12, 0.12, 0.03, 0.2, 0.0, 0.0]", 5, "body.inertia", "above 0"},
+        {"stiffness = 1.0e5", "stiffness = -1.0e5", 10, "connection[0].z.stiffness", "from 0"},
+        {"", "damping = -1.0", 18, "connection[1].x.damping", "from 0"},
+        {"clearance = 1.0e-3", "clearance = -1.0e-3", 11, "connection[0].z.stops[0].clearance", "above 0"},
+        {"clearance = 1.0e-3", "clearance = 0", 11, "connection[0].z.stops[0].clearance", "above 0"},
+        {"stiffness = 1.0e6", "stiffness = nan", 11, "connection[0].z.stops[0].stiffness", "finite"},
+        {"1.0e6 } ]", "1.0e6, dissipation = -1.0 } ]", 12, "connection[0].z.stops[1].dissipation", "from 0"},
+        {"", "loss_factor = 0.9", 18, "connection[1].x.loss_factor", "below 0.5"},
+        {"", "relaxation = { stiffness_ratio = 0.1, time_constant = 0.0 }", 18,
+         "connection[1].x.relaxation.time_constant", "above 0"},
+        {"", "friction = { force = -1.0, transition_velocity = 1.0 }", 18, "connection[1].x.friction.force", "from 0"},
+        {"name = \"2\"", "name = \"1\"", 14, "connection[1].name", "stands twice"},
+        {"name = \"2\"", "name = \"a.b\"", 14, "connection[1].name", "dots"},
+        {"name = \"2\"", "name = \"a b\"", 14, "connection[1].name", "blanks"},
+        {"name = \"2\"", "name = \"\"", 14, "connection[1].name", "is \"\""},
+        {"name = \"2\"", "name = \"a\\nb\"", 14, "connection[1].name", "a?b"},
+    })));
+}
+
+TEST_CASE("bad model: bracket, load, sensors") {
+    check(GENERATE(values<Case>({
+        {"", "[bracket]\nmodes = \"\"", 19, "bracket.modes", "empty"},
+        {"", "[bracket]\nmodes = \"every_key.csv\"\nmode = 3", 20, "bracket.mode", "integer"},
+        {"", "[bracket]\nmodes = \"every_key.csv\"\n[[bracket.mode]]\nfrequency = 3.0", 20, "bracket.mode[0].index",
+         "1 to 2"},
+        {"", "[bracket]\nmodes = \"every_key.csv\"\n[[bracket.mode]]\nindex = 3\nfrequency = 3.0", 21,
+         "bracket.mode[0].index", "1 to 2"},
+        {"", "[bracket]\nmodes = \"every_key.csv\"\n[[bracket.mode]]\nindex = 1.5", 21, "bracket.mode[0].index",
+         "floating"},
+        {"", "[bracket]\nmodes = \"every_key.csv\"\n[[bracket.mode]]\nindex = 1", 20, "bracket.mode[0]", "nothing"},
+        {"", "[bracket]\nmodes = \"every_key.csv\"\n[[bracket.mode]]\nindex = 1\nfrequency = 0", 22,
+         "bracket.mode[0].frequency", "above 0"},
+        {"", "[bracket]\nmodes = \"every_key.csv\"\n[[bracket.mode]]\nindex = 1\ndamping_ratio = -0.1", 22,
+         "bracket.mode[0].damping_ratio", "from 0"},
+        {"",
+         "[bracket]\nmodes = \"every_key.csv\"\n[[bracket.mode]]\nindex = 1\nfrequency = 1.0\n[[bracket.mode]]\nindex "
+         "= "
+         "1\nfrequency = 2.0",
+         24, "bracket.mode[1].index", "twice"},
+        {"", "[load]\ngain = 1.0\ngain_over_frequency = [[1.0, 1.0]]", 18, "load", "both"},
+        {"", "[load]\ngain_over_frequency = []", 19, "load.gain_over_frequency", "empty"},
+        {"", "[load]\ngain_over_frequency = [1.0]", 19, "load.gain_over_frequency[0]", "pairs"},
+        {"", "[load]\ngain_over_frequency = [[1.0]]", 19, "load.gain_over_frequency[0]", "two numbers"},
+        {"", "[load]\ngain_over_frequency = [[5.0, 1.0], [5.0, 1.0]]", 19, "load.gain_over_frequency[1]", "ascending"},
+        {"", "[load]\ngain = \"a\"", 19, "load.gain", "a number"},
+        {"", "[[sensor]]\nchannel = \"mobile.9.az\"", 19, "sensor[0].channel", "mobile.9.az"},
+        {"", "[[sensor]]\nchannel = \"mobile.1.aw\"", 19, "sensor[0].channel", "mobile.1.aw"},
+        {"", "[[sensor]]\nchannel = \"\"", 19, "sensor[0].channel", "is \"\""},
+        {"", "[[sensor]]\nchannel = \"mobile.1\"\ndelay = nan", 20, "sensor[0].delay", "nan"},
+        {"", "[[sensor]]\nchannel = \"mobile.1\"\nrotation = [1.0]", 20, "sensor[0].rotation", "three numbers"},
+    })));
+}
+
+TEST_CASE("a modes file that is missing is named with its own path") {
+    CHECK_THROWS_WITH(parseMountModel(good + "[bracket]\nmodes = \"none.csv\"", "/some/where/m.toml"),
+                      Catch::Contains("/some/where/none.csv"));
+}

@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "identify/motion/rigidity.hpp"
+#include "tests/motion/analytic_motion.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr double sigma_x = 1e-6, sigma_a = 0.02;
+
+/// One connection off the plane: with four ends in one plane only one combination of the four axial channels is left
+/// over, so that which of them is wrong can be told by the shape of its motion only.
+MountModel makeModel(bool planar) {
+    MountModel model = test::makeCrossModel();
+    if (planar) return model;
+    model.connections[0].position = {-0.09, 0.02, 0.03};
+    Connection fifth = model.connections[0];
+    fifth.name = "5";
+    fifth.position = {0.05, 0.06, -0.04};
+    model.connections.push_back(fifth);
+    return model;
+}
+
+Recording makeRecording(const MountModel& model, std::mt19937& random, const std::vector<std::string>& quantities) {
+    Recording recording = test::makeEmptyRecording(1000, 3);
+    const test::AnalyticMotion motion(random, 1e-3, 0.01, 5, 50);
+    test::addChannels(recording, model, "mobile", motion, quantities, {sigma_x, sigma_a}, random);
+    return recording;
+}
+
+TEST_CASE("Clean noisy recordings have no suspect") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    for (int trial = 0; trial < 16; ++trial) {
+        CAPTURE(trial);
+        const MountModel model = makeModel(trial % 2 == 0);
+        Recording recording = makeRecording(model, random, {"x", "y", "z", "ax", "ay", "az"});
+        // Calibration scatter of a tenth of a percent is no fault either.
+        std::normal_distribution<double> scatter(1, trial % 4 < 2 ? 0 : 1e-3);
+        for (Channel& channel : recording.channels) {
+            const double gain = scatter(random);
+            for (double& value : channel.values) value *= gain;
+        }
+        CHECK(checkRigidity(recording, model).suspects.empty());
+    }
+}
+
+TEST_CASE("A wrong gain is named, with its size") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> change(0.01, 0.1);
+    for (int trial = 0; trial < 16; ++trial) {
+        const MountModel model = makeModel(trial % 2 == 0);
+        Recording recording = makeRecording(model, random, {"x", "y", "z", "ax", "ay", "az"});
+        Channel& wrong = recording.channels[random() % recording.channels.size()];
+        const double gain = 1 + (random() % 2 == 0 ? 1 : -1) * change(random);
+        for (double& value : wrong.values) value *= gain;
+        CAPTURE(trial, wrong.name, gain);
+        const Rigidity rigidity = checkRigidity(recording, model);
+        REQUIRE(rigidity.suspects.size() == 1);
+        const ChannelSuspect& suspect = rigidity.suspects.front();
+        CHECK(suspect.channel == wrong.name);
+        CHECK(suspect.fault == "gain");
+        CHECK(suspect.gain == Approx(gain).margin(std::max(1e-4, 5 * suspect.standard_error)));
+    }
+}
+
+TEST_CASE("Exchanged channels, wrong signs and delays are named") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const MountModel model = makeModel(false);
+    Recording recording = makeRecording(model, random, {"x", "y", "z"});
+    Channel& channel = recording.channels[5];
+    SECTION("exchanged axes") {
+        std::swap(recording.channels[4].values, channel.values);
+        const Rigidity rigidity = checkRigidity(recording, model);
+        REQUIRE(rigidity.suspects.size() == 1);
+        CHECK(rigidity.suspects[0].channel == recording.channels[4].name);
+        CHECK(rigidity.suspects[0].exchanged_with == channel.name);
+    }
+    SECTION("wrong sign") {
+        for (double& value : channel.values) value = -value;
+        const Rigidity rigidity = checkRigidity(recording, model);
+        REQUIRE(rigidity.suspects.size() == 1);
+        CHECK(rigidity.suspects[0].channel == channel.name);
+        CHECK(rigidity.suspects[0].gain == Approx(-1).epsilon(0.01));
+    }
+    SECTION("one sample late") {
+        for (std::size_t k = channel.values.size() - 1; k > 0; --k) channel.values[k] = channel.values[k - 1];
+        const Rigidity rigidity = checkRigidity(recording, model);
+        REQUIRE(rigidity.suspects.size() == 1);
+        CHECK(rigidity.suspects[0].channel == channel.name);
+        CHECK(rigidity.suspects[0].fault == "delay");
+        CHECK(rigidity.suspects[0].delay == Approx(1e-3).epsilon(0.03));
+    }
+}
+
+/// One end displaced along its arm by a known amount: each check by hand.
+TEST_CASE("Checks have the values that geometry gives") {
+    const MountModel model = test::makeCrossModel();
+    Recording recording = test::makeEmptyRecording(1000, 1);
+    for (const char* end : {"1", "2", "3", "4"}) {
+        for (const char* axis : {"x", "y", "z"}) {
+            Channel channel;
+            channel.name = "mobile." + std::string(end) + "." + axis;
+            channel.values.assign(recording.time.size(), 0.0);
+            recording.channels.push_back(channel);
+        }
+    }
+    const double d = 1e-3;
+    const auto find = [](const Rigidity& rigidity, const std::string& name) {
+        const auto check = std::find_if(rigidity.checks.begin(), rigidity.checks.end(),
+                                        [&](const RigidityCheck& c) { return c.name == name; });
+        REQUIRE(check != rigidity.checks.end());
+        return check->max_percent;
+    };
+    SECTION("along the arm: length and midpoint") {
+        recording.channels[3].values[500] = d;  // 2.x
+        const Rigidity rigidity = checkRigidity(recording, model);
+        REQUIRE(rigidity.checks.size() == 10);
+        CHECK(find(rigidity, "length 1-2") == Approx(100 * d / 0.2));
+        CHECK(find(rigidity, "length 3-4") == Approx(0).margin(1e-9));
+        CHECK(find(rigidity, "midpoint x") == Approx(100 * d / 2 / 0.2));
+        CHECK(find(rigidity, "midpoint z") == Approx(0).margin(1e-9));
+        CHECK(find(rigidity, "perpendicularity") == Approx(0).margin(1e-9));
+        CHECK(rigidity.checks[0].at_time == Approx(0.5));
+    }
+    SECTION("across the arm: angle") {
+        recording.channels[4].values[500] = d;  // 2.y
+        const Rigidity rigidity = checkRigidity(recording, model);
+        CHECK(find(rigidity, "perpendicularity") == Approx(100 * std::atan(d / 0.2) / (3.14159265358979 / 2)));
+        CHECK(find(rigidity, "midpoint y") == Approx(100 * d / 2 / 0.2));
+    }
+}
+
+TEST_CASE("Accelerations alone are checked against a rigid field") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const MountModel model = makeModel(false);
+    Recording recording = makeRecording(model, random, {"ax", "ay", "az"});
+    const Rigidity clean = checkRigidity(recording, model);
+    REQUIRE(clean.checks.size() == 5);
+    CHECK(clean.suspects.empty());
+    for (double& value : recording.channels[7].values) value *= 1.06;
+    const Rigidity rigidity = checkRigidity(recording, model);
+    REQUIRE(rigidity.suspects.size() == 1);
+    CHECK(rigidity.suspects[0].channel == recording.channels[7].name);
+    CHECK(rigidity.suspects[0].gain == Approx(1.06).epsilon(0.005));
+}
+
+}  // namespace
+}  // namespace wems::identify

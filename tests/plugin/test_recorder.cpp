@@ -1,0 +1,272 @@
+// What a recording says about a run.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "models/bryant.hpp"
+#include "models/error.hpp"
+#include "models/load_gain.hpp"
+#include "plugin/simulation.hpp"
+#include "tests/plugin/sample_models.hpp"
+
+using namespace wems;
+using namespace wems::plugin;
+
+namespace {
+
+std::vector<double> makeTimes(double rate, double duration) {
+    std::vector<double> times;
+    for (int k = 0; k <= static_cast<int>(std::lround(duration * rate)); ++k) times.push_back(k / rate);
+    return times;
+}
+
+MountModel makeModel() {
+    MountModel model = test::withBracket(test::withLosses(test::withStops(test::makeRigidModel())));
+    for (BracketMode& mode : model.bracket) mode.base_participation = Eigen::Vector3d(1, 0.5, 2);
+    return model;
+}
+
+std::shared_ptr<const Drive> makeLoadSweep(const Eigen::Vector3d& force) {
+    return makeSignalDrive(makeLogarithmicSweep(20, 40, 120), force, Eigen::Vector3d::Zero(), true);
+}
+
+const std::vector<double>& valuesOf(const SimulationResult& result, const std::string& name) {
+    const Channel* channel = result.recording.find(name);
+    REQUIRE(channel != nullptr);
+    return channel->values;
+}
+
+}  // namespace
+
+TEST_CASE("the end state does not know how often it was looked at") {
+    const MountModel model = makeModel();
+    const double duration = 0.2;
+    SimTK::Vector ends[3];
+    const double rates[3] = {1 / duration, 100, 10000};
+    for (int i = 0; i < 3; ++i) {
+        Device device(model, makeLoadSweep({100, 50, 250}), duration);
+        Recorder recorder(device, makeSensorChannels(model, {}, true, false), makeTimes(rates[i], duration));
+        device.updSystem().addEventReporter(recorder.makeReporter());
+        SimTK::RungeKuttaMersonIntegrator integrator(device.system());
+        integrator.setAccuracy(1e-6);
+        SimTK::TimeStepper stepper(device.system(), integrator);
+        stepper.initialize(device.makeRestState());
+        stepper.stepTo(duration);
+        ends[i] = integrator.getState().getY();
+    }
+    REQUIRE(ends[0].norm() > 0);
+    for (int i = 1; i < 3; ++i)
+        for (int k = 0; k < ends[0].size(); ++k) CHECK(ends[i][k] == ends[0][k]);
+}
+
+TEST_CASE("velocity is the derivative of displacement, acceleration that of velocity") {
+    MountModel model = makeModel();
+    model.gravity = {0, -5, -8};
+    const auto base = makeSignalDrive(makeDwell(25, 1), Eigen::Vector3d::Zero(), {10, -5, 20}, true);
+    const double rate = 10000;
+    SimulationSettings settings;
+    settings.times = makeTimes(rate, 0.05);
+    settings.channels = {true, true, true};
+    settings.accuracy = 1e-9;
+    settings.longest_step = 2e-4;
+    for (const auto& drive : {base, makeLoadSweep({100, 50, 250})}) {
+        const SimulationResult result = simulate(model, drive, settings);
+        for (const char* end : {"mobile.1.", "mobile.3.", "fixed.2."}) {
+            for (const char axis : {'x', 'y', 'z'}) {
+                const auto& x = valuesOf(result, std::string(end) + axis);
+                const auto& v = valuesOf(result, std::string(end) + "v" + axis);
+                const auto& a = valuesOf(result, std::string(end) + "a" + axis);
+                double velocity_error = 0, acceleration_error = 0, velocity = 0, acceleration = 0;
+                for (std::size_t k = 1; k + 1 < x.size(); ++k) {
+                    velocity_error = std::max(velocity_error, std::abs((x[k + 1] - x[k - 1]) * rate / 2 - v[k]));
+                    acceleration_error =
+                        std::max(acceleration_error, std::abs((v[k + 1] - v[k - 1]) * rate / 2 - a[k]));
+                    velocity = std::max(velocity, std::abs(v[k]));
+                    acceleration = std::max(acceleration, std::abs(a[k]));
+                }
+                CAPTURE(end, axis, velocity, acceleration);
+                REQUIRE(acceleration > 0.1);
+                CHECK(velocity_error < 2e-3 * velocity);
+                CHECK(acceleration_error < 2e-2 * acceleration);
+            }
+        }
+    }
+}
+
+TEST_CASE("the base neither drifts nor stands off, and moves as its acceleration says") {
+    const auto drive = makeSignalDrive(makeLogarithmicSweep(5, 20, 60), Eigen::Vector3d::Zero(), {0, 2, -3}, true);
+    const double duration = drive->duration();
+    const BaseMotion motion(*drive, duration);
+    double mean = 0, slope = 0, largest = 0, worst = 0;
+    const int count = 4000;
+    const double h = duration / count;
+    for (int k = 0; k <= count; ++k) {
+        const double t = k * h;
+        const double x = motion.calcValue(t).displacement.z();
+        mean += x / (count + 1);
+        slope += x * (t - duration / 2);
+        largest = std::max(largest, std::abs(x));
+        if (k == 0 || k == count) continue;
+        const Eigen::Vector3d acceleration =
+            (motion.calcValue(t + h).displacement - 2 * motion.calcValue(t).displacement +
+             motion.calcValue(t - h).displacement) /
+            (h * h);
+        worst = std::max(worst, (acceleration - drive->calcBaseAcceleration(t)).norm());
+    }
+    REQUIRE(largest > 1e-4);
+    CHECK(std::abs(mean) < 1e-3 * largest);
+    CHECK(std::abs(slope) < 1e-3 * largest * duration * count);
+    CHECK(worst < 0.01);
+}
+
+TEST_CASE("sensor faults: gain, delay, rotation") {
+    const MountModel model = makeModel();
+    SimulationSettings settings;
+    settings.times = makeTimes(10000, 0.06);
+    const SimulationResult truth = simulate(model, makeLoadSweep({100, 50, 250}), settings);
+
+    MountModel faulty = model;
+    const Eigen::Vector3d turn(0.02, -0.03, 0.05);
+    faulty.sensors.push_back({"mobile.1.az", 1.1, 0.0013, Eigen::Vector3d::Zero()});
+    faulty.sensors.push_back({"fixed.2", 1, 0, turn});
+    faulty.sensors.push_back({"mobile.3", 1, -0.0021, Eigen::Vector3d::Zero()});
+    const SimulationResult seen = simulate(faulty, makeLoadSweep({100, 50, 250}), settings);
+
+    const auto& true_az = valuesOf(truth, "mobile.1.az");
+    const auto& seen_az = valuesOf(seen, "mobile.1.az");
+    for (std::size_t k = 13; k < true_az.size(); ++k) CHECK(seen_az[k] == Approx(1.1 * true_az[k - 13]).margin(1e-9));
+    const auto& true_x = valuesOf(truth, "mobile.3.x");
+    const auto& seen_x = valuesOf(seen, "mobile.3.x");
+    for (std::size_t k = 0; k + 21 < true_x.size(); ++k) CHECK(seen_x[k] == Approx(true_x[k + 21]).margin(1e-12));
+    const Eigen::Matrix3d R = rotationFromVector(turn);
+    for (const char* kind : {"", "a"}) {
+        const auto channel = [&](const SimulationResult& result, char axis) -> const std::vector<double>& {
+            return valuesOf(result, std::string("fixed.2.") + kind + axis);
+        };
+        for (const std::size_t k : {100U, 300U, 555U}) {
+            const Eigen::Vector3d true_vector(channel(truth, 'x')[k], channel(truth, 'y')[k], channel(truth, 'z')[k]);
+            const Eigen::Vector3d seen_vector(channel(seen, 'x')[k], channel(seen, 'y')[k], channel(seen, 'z')[k]);
+            CHECK((seen_vector - R * true_vector).norm() < 1e-12 * true_vector.norm());
+        }
+    }
+    const auto& untouched = valuesOf(seen, "mobile.2.az");
+    const auto& expected = valuesOf(truth, "mobile.2.az");
+    for (std::size_t k = 0; k < expected.size(); ++k) CHECK(untouched[k] == Approx(expected[k]).margin(1e-9));
+}
+
+TEST_CASE("sensor noise has its level, its seed, and does not depend on what else is recorded") {
+    const MountModel model = makeModel();
+    SimulationSettings settings;
+    settings.times = makeTimes(10000, 0.2);
+    settings.accuracy = 1e-4;
+    const SimulationResult quiet = simulate(model, makeLoadSweep({1, 0, 2}), settings);
+    settings.noise.displacement = 2e-6;
+    settings.seed = 7;
+    const SimulationResult noisy = simulate(model, makeLoadSweep({1, 0, 2}), settings);
+    settings.channels.acceleration = false;
+    const SimulationResult fewer = simulate(model, makeLoadSweep({1, 0, 2}), settings);
+    settings.seed = 8;
+    const SimulationResult other = simulate(model, makeLoadSweep({1, 0, 2}), settings);
+
+    const auto& clean = valuesOf(quiet, "mobile.2.y");
+    const auto& values = valuesOf(noisy, "mobile.2.y");
+    double square = 0;
+    for (std::size_t k = 0; k < clean.size(); ++k) square += std::pow(values[k] - clean[k], 2);
+    const double level = std::sqrt(square / static_cast<double>(clean.size()));
+    CHECK(level == Approx(2e-6).epsilon(4 / std::sqrt(2.0 * static_cast<double>(clean.size()))));  // four sigma
+    CHECK(valuesOf(fewer, "mobile.2.y") == values);
+    CHECK(valuesOf(other, "mobile.2.y") != values);
+    CHECK(valuesOf(noisy, "mobile.2.ay") == valuesOf(quiet, "mobile.2.ay"));
+    CHECK(valuesOf(noisy, "load.fz") == valuesOf(quiet, "load.fz"));
+}
+
+TEST_CASE("a recorded load replays the run that it was recorded in") {
+    const MountModel model = makeModel();
+    SimulationSettings settings;
+    settings.times = makeTimes(1000, 0.3);
+    settings.accuracy = 1e-8;
+    const auto sweep = makeLoadSweep({100, 50, 250});
+    const SimulationResult first = simulate(model, sweep, settings);
+    const auto replay = makeReplayDrive(first.recording);
+    const SimulationResult second = simulate(model, replay, settings);
+    for (const char* name : {"mobile.1.x", "mobile.2.z", "fixed.3.y"}) {
+        const auto& a = valuesOf(first, name);
+        const auto& b = valuesOf(second, name);
+        double worst = 0, largest = 0;
+        for (std::size_t k = 0; k < a.size(); ++k) {
+            worst = std::max(worst, std::abs(a[k] - b[k]));
+            largest = std::max(largest, std::abs(a[k]));
+        }
+        CAPTURE(name, largest);
+        CHECK(worst < 1e-3 * largest);
+    }
+    for (const double t : {0.08, 0.15, 0.22})
+        CHECK(replay->calcFrequency(t) == Approx(sweep->calcFrequency(t)).epsilon(0.02));
+    Recording empty;
+    empty.time = {0, 1};
+    CHECK_THROWS_AS(makeReplayDrive(empty), InputError);
+}
+
+TEST_CASE("the load correction multiplies what acts, not what is recorded") {
+    MountModel model = test::withBracket(test::makeRigidModel());
+    SimulationSettings settings;
+    settings.times = makeTimes(1000, 0.2);
+    settings.accuracy = 1e-9;
+    const SimulationResult plain = simulate(model, makeLoadSweep({1, 2, 3}), settings);
+    model.load = LoadCorrection{{{0, 1.5}}};
+    const SimulationResult corrected = simulate(model, makeLoadSweep({1, 2, 3}), settings);
+    CHECK(valuesOf(corrected, "load.fz") == valuesOf(plain, "load.fz"));
+    const auto& a = valuesOf(plain, "mobile.1.z");
+    const auto& b = valuesOf(corrected, "mobile.1.z");
+    CHECK(b.back() == Approx(1.5 * a.back()).epsilon(1e-3));  // linear up to small rotations
+
+    const LoadCorrection table{{{5, 1.0}, {29, 0.7}, {50, 1.0}}};
+    CHECK(calcLoadGain(table, 17) == Approx(0.85));
+    CHECK(calcLoadGain(table, 2) == 1.0);
+    CHECK(calcLoadGain(table, 80) == 1.0);
+    model.load = table;
+    const auto random = makeSignalDrive(makeBandLimitedRandom(5, 50, 1, 3), {1, 0, 0}, Eigen::Vector3d::Zero(), false);
+    CHECK_THROWS_AS(simulate(model, random, settings), InputError);
+}
+
+TEST_CASE("contacts are those that the recording shows") {
+    const MountModel model = test::withBracket(test::withStops(test::makeRigidModel()));
+    SimulationSettings settings;
+    settings.times = makeTimes(1000, 0.5);
+    const SimulationResult result = simulate(model, makeLoadSweep({60, 30, 150}), settings);
+    int reached = 0;
+    for (const StopContact& contact : result.contacts) {
+        const Connection& connection = model.connections[static_cast<std::size_t>(contact.connection)];
+        const Stop& stop = connection.axis[static_cast<std::size_t>(contact.axis)].stops[contact.stop];
+        const std::string channel = connection.name + "." + "xyz"[contact.axis];
+        const auto& mobile = valuesOf(result, "mobile." + channel);
+        const auto& fixed = valuesOf(result, "fixed." + channel);
+        double deepest = 0;  // ground axes and F axes differ by the bracket's milliradians
+        for (std::size_t k = 0; k < mobile.size(); ++k)
+            deepest =
+                std::max(deepest, (stop.side == Side::positive ? 1 : -1) * (mobile[k] - fixed[k]) - stop.clearance);
+        double told = 0;
+        for (const auto& interval : contact.intervals) told = std::max(told, interval.deepest);
+        CAPTURE(channel, deepest, told);
+        CHECK(told == Approx(deepest).margin(5e-5));
+        reached += !contact.intervals.empty();
+    }
+    CHECK(reached > 0);
+    CHECK(reached < static_cast<int>(result.contacts.size()));
+}
+
+TEST_CASE("a run that grows without bound says when and why") {
+    MountModel model = test::makeRigidModel();
+    model.connections[0].axis[2].stops.push_back({Side::positive, 1e-4, -5e6, 0});  // pulls outwards once reached
+    const auto drive = makeSignalDrive(makeDwell(10, 5), Eigen::Vector3d::Zero(), {0, 0, -50}, true);
+    SimulationSettings settings;
+    settings.times = makeTimes(100, 5);
+    try {
+        simulate(model, drive, settings);
+        FAIL("no exception");
+    } catch (const std::runtime_error& error) {
+        CAPTURE(error.what());
+        CHECK(std::string(error.what()).find("broke off at t = ") != std::string::npos);
+    }
+    // A force on a fixed part that cannot move is a mistake, not a simulation.
+    CHECK_THROWS_AS(simulate(model, makeLoadSweep({0, 0, 1}), settings), InputError);
+}

@@ -1,0 +1,142 @@
+// The executable simulate as a user calls it.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "models/recording/csv_reader.hpp"
+#include "tests/cli/run_program.hpp"
+
+using wems::Recording;
+using wems::test::runProgram;
+using wems::test::TemporaryDirectory;
+
+namespace {
+
+const std::string smallsat = WEMS_SOURCE_DIR "/models/shipped/smallsat_wems.toml";
+const std::string single_axis = WEMS_SOURCE_DIR "/models/shipped/single_axis.toml";
+
+Recording readFrom(const TemporaryDirectory& folder, const std::string& name) {
+    return wems::readRecording(folder.path() + "/" + name);
+}
+
+}  // namespace
+
+TEST_CASE("wrong usage of simulate: one line, exit status 2, no file") {
+    const auto arguments = GENERATE(values<std::vector<std::string>>({
+        {},
+        {smallsat},
+        {smallsat, "--sweep", "5:50"},
+        {smallsat, "--force", "z=1"},
+        {smallsat, "--sweep", "5:50", "--dwell", "5:1", "--force", "z=1"},
+        {smallsat, "--sweep", "5:50", "--force", "z=1", "--base-acceleration", "z=1"},
+        {smallsat, "--sweep", "5:50", "--force", "w=1"},
+        {smallsat, "--sweep", "5:50", "--force", "z="},
+        {smallsat, "--sweep", "5:50", "--force", "z=nan"},
+        {smallsat, "--sweep", "5:50", "--force", "z=0"},
+        {smallsat, "--sweep", "5:50", "--force", "z=1,z=2"},
+        {smallsat, "--sweep", "5", "--force", "z=1"},
+        {smallsat, "--sweep", "5:50:", "--force", "z=1"},
+        {smallsat, "--sweep", "5:5", "--force", "z=1"},
+        {smallsat, "--sweep", "0:50", "--force", "z=1"},
+        {smallsat, "--sweep", "5:50", "--rate", "-4", "--force", "z=1"},
+        {smallsat, "--sweep", "5:50", "--rate", "4", "--linear-rate", "2", "--force", "z=1"},
+        {smallsat, "--dwell", "5:1", "--rate", "4", "--force", "z=1"},
+        {smallsat, "--dwell", "5:1", "--force", "z=1", "--sample-rate", "0"},
+        {smallsat, "--dwell", "5:1", "--force", "z=1", "--accuracy", "-1"},
+        {smallsat, "--dwell", "5:1", "--force", "z=1", "--fade", "2"},
+        {smallsat, "--dwell", "5:1", "--force", "z=1", "--channels", "jerk"},
+        {smallsat, "--dwell", "5:1", "--force", "z=1", "--noise", "jerk=1"},
+        {smallsat, "--dwell", "5:1", "--force", "z=1", "--noise", "displacement=-1"},
+        {smallsat, "--dwell", "5:1", "--force", "z=1", "--no-such-option"},
+        {smallsat, "--from-csv", "no_such_file.csv"},
+        {"no_such_model.toml", "--dwell", "5:1", "--force", "z=1"},
+        {single_axis, "--dwell", "5:1", "--force", "z=1"},  // no bracket: nothing that the force could move
+    }));
+    CAPTURE(arguments);
+    const TemporaryDirectory folder;
+    auto all = arguments;
+    all.insert(all.end(), {"-o", "run.csv"});
+    const auto result = runProgram(SIMULATE_PROGRAM, all, folder.path());
+    CHECK(result.exit_status == 2);
+    CHECK(result.output.empty());
+    CHECK(result.errors.rfind("simulate: ", 0) == 0);
+    CHECK(std::count(result.errors.begin(), result.errors.end(), '\n') == 1);
+    CHECK(folder.list().empty());
+}
+
+TEST_CASE("an output that cannot be written is refused before the simulation") {
+    const TemporaryDirectory folder;
+    const auto result =
+        runProgram(SIMULATE_PROGRAM, {smallsat, "--sweep", "5:50", "--force", "z=1", "-o", "no/such/folder/run.csv"},
+                   folder.path());
+    CHECK(result.exit_status == 2);
+    CHECK(result.errors.find("no/such/folder") != std::string::npos);
+}
+
+TEST_CASE("help shows an example, version a version") {
+    const TemporaryDirectory folder;
+    const auto help = runProgram(SIMULATE_PROGRAM, {"--help"}, folder.path());
+    CHECK(help.exit_status == 0);
+    CHECK(help.output.find("simulate smallsat.toml --sweep 5:50") != std::string::npos);
+    CHECK(help.errors.empty());
+    CHECK(runProgram(SIMULATE_PROGRAM, {"--version"}, folder.path()).output.find("0.1") != std::string::npos);
+}
+
+TEST_CASE("a sweep is recorded, told, and replayed") {
+    const TemporaryDirectory folder;
+    const auto run = [&](std::vector<std::string> arguments) {
+        const auto result = runProgram(SIMULATE_PROGRAM, arguments, folder.path());
+        INFO(result.errors);
+        REQUIRE(result.exit_status == 0);
+        return result;
+    };
+    // Downwards, fast, hard enough for stops.
+    const auto told =
+        run({smallsat, "--sweep", "40:28", "--rate", "60", "--force", "z=500", "--channels", "displacement,velocity",
+             "--json", "summary.json", "--report", "page.html", "-o", "run.csv"});
+    CHECK(told.output.find("stop reached") != std::string::npos);
+    CHECK(folder.list() == std::vector<std::string>{"page.html", "run.csv", "summary.json"});
+    const Recording recording = readFrom(folder, "run.csv");
+    const double duration = std::log2(40.0 / 28.0);  // one octave a second
+    CHECK(recording.sampleCount() == static_cast<std::size_t>(std::floor(duration * 1000)) + 1);
+    CHECK(recording.find("mobile.4.vz") != nullptr);
+    CHECK(recording.find("mobile.4.az") == nullptr);
+    CHECK(recording.metadata.at("level") == "force z=500 N");
+    REQUIRE(recording.find("load.fz") != nullptr);
+    for (const std::size_t k : {50U, 300U}) {
+        const double t = recording.time[k];
+        const double phase = 2 * M_PI * 40 * (std::pow(2, -t) - 1) / (-std::log(2));
+        CHECK(recording.find("load.fz")->values[k] == Approx(500 * std::sin(phase)).margin(1e-5));
+    }
+    std::ifstream file(folder.path() + "/summary.json");
+    const auto summary = nlohmann::json::parse(file);
+    CHECK(summary.at("stops").size() == 12);
+    CHECK(summary.at("samples") == recording.sampleCount());
+
+    run({smallsat, "--from-csv", "run.csv", "-o", "again.csv", "--quiet"});
+    const Recording again = readFrom(folder, "again.csv");
+    CHECK(again.time == recording.time);
+    const auto& first = recording.find("mobile.4.z")->values;
+    const auto& second = again.find("mobile.4.z")->values;
+    double worst = 0;
+    for (std::size_t k = 0; k < 200; ++k) worst = std::max(worst, std::abs(first[k] - second[k]));
+    CHECK(worst < 2e-6);  // before the stops make it sensitive; the load is interpolated between its samples
+}
+
+TEST_CASE("base motion moves a model without bracket") {
+    const TemporaryDirectory folder;
+    const auto result =
+        runProgram(SIMULATE_PROGRAM,
+                   {single_axis, "--dwell", "12:0.2", "--base-acceleration", "z=0.5", "--json", "-", "-o", "run.csv"},
+                   folder.path());
+    INFO(result.errors);
+    REQUIRE(result.exit_status == 0);
+    CHECK(nlohmann::json::parse(result.output).contains("stops"));
+    const Recording recording = readFrom(folder, "run.csv");
+    REQUIRE(recording.find("base.az") != nullptr);
+    REQUIRE(recording.find("fixed.mount.az") != nullptr);
+    for (const std::size_t k : {10U, 77U})  // the fixed part moves with the base
+        CHECK(recording.find("fixed.mount.az")->values[k] == Approx(recording.find("base.az")->values[k]).margin(1e-9));
+}
