@@ -43,10 +43,18 @@ def parameters(file):
 
 
 def combination(expression, values):
-    """Value of `1.x.stiffness + 2.x.stiffness`, with optional numbers before a name."""
-    total = 0.0
-    for sign, factor, name in re.findall(r"([-+]?)\s*(?:([0-9.eE+-]+)\s*[*·]?\s+)?(\w+\.[xyz]\.[\w.+-]*[a-z])", expression):
-        total += (-1.0 if sign == "-" else 1.0) * float(factor or 1.0) * values[name]
+    """Value of a text such as `1.x.stiffness + 2 3.y.stiffness - 4.y.stiffness`."""
+    total, factor = 0.0, 1.0
+    for word in expression.split():
+        if word in "+-":
+            factor = -1.0 if word == "-" else 1.0
+            continue
+        if word.startswith("-"):
+            factor, word = -1.0, word[1:]
+        if word in values:
+            total += factor * values[word]
+        else:
+            factor *= float(word)
     return total
 
 
@@ -69,7 +77,7 @@ def table(true_file, believed_file, fit_file):
         print("  ".join(c.ljust(w) if i == 0 else c.rjust(w) for i, (c, w) in enumerate(zip(r, widths))))
         if number == 0:
             print("  ".join("-" * w for w in widths))
-    alone = [n for g in fit["not_identifiable"] for n in g["names"]]
+    alone = list(dict.fromkeys(n for g in fit["not_identifiable"] for n in g["names"]))
     if alone:
         print("\nNot identifiable one by one from these runs: " + ", ".join(alone))
     print(f"\n{sum(held)} of {len(held)} intervals hold the truth.")
@@ -78,7 +86,7 @@ def table(true_file, believed_file, fit_file):
 def row(name, true, believed, result, held):
     value, interval = result["value"], result["interval95"]
     held.append(interval[0] <= true <= interval[1])
-    error = "-" if true == 0 else f"{100 * (value / true - 1):+.3f}"
+    error = "-" if abs(true) < 1e-9 else f"{100 * (value / true - 1):+.3f}"
     return (name, f"{true:.6g}", f"{believed:.6g}", f"{value:.6g}", error, f"{interval[0]:.6g} … {interval[1]:.6g}", "yes" if held[-1] else "no")
 
 

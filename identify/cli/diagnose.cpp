@@ -7,10 +7,9 @@
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/diagnosis_output.hpp"
+#include "identify/cli/recordings.hpp"
 #include "identify/diagnose/diagnosis.hpp"
 #include "models/error.hpp"
-#include "models/recording/column_map.hpp"
-#include "models/recording/csv_reader.hpp"
 
 namespace wems::identify::cli {
 namespace {
@@ -21,18 +20,10 @@ struct DiagnoseArguments {
     std::string model, output;
 };
 
-std::vector<Recording> readAll(const std::vector<std::string>& files, const std::string& column_map) {
-    std::unique_ptr<ColumnMap> map;
-    if (!column_map.empty()) map = std::make_unique<ColumnMap>(readColumnMap(column_map));
-    std::vector<Recording> recordings;
-    for (const auto& file : files) recordings.push_back(readRecording(file, map.get()));
-    return recordings;
-}
-
 void runDiagnose(const DiagnoseArguments& arguments) {
     const MountModel model = readMountModel(arguments.model);
-    const auto identification = readAll(arguments.runs, arguments.common.column_map);
-    const auto validation = readAll(arguments.validation, arguments.common.column_map);
+    const auto identification = readDeviceRecordings(arguments.runs, arguments.common.column_map, model);
+    const auto validation = readDeviceRecordings(arguments.validation, arguments.common.column_map, model);
     DiagnosisOptions options;
     const bool terminal = isatty(STDERR_FILENO) != 0;
     if (terminal) options.progress = [](const std::string& text) { std::cerr << "\r\033[K" << text << std::flush; };

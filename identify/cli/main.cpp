@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
     app.set_help_all_flag("--help-all", "help of every command");
     int exit_status = 0;
     wems::identify::cli::addRigidityCommand(app, exit_status);
+    wems::identify::cli::addFitCommand(app, exit_status);
     wems::identify::cli::addSurfaceCommand(app, exit_status);
     wems::identify::cli::addCompareCommand(app, exit_status);
     wems::identify::cli::addDiagnoseCommand(app, exit_status);

@@ -6,9 +6,9 @@
 #include <memory>
 
 #include "identify/cli/command.hpp"
+#include "identify/cli/recordings.hpp"
 #include "identify/cli/rigidity_report.hpp"
 #include "models/mount_model.hpp"
-#include "models/recording/csv_reader.hpp"
 
 namespace wems::identify::cli {
 namespace {
@@ -82,9 +82,7 @@ std::vector<std::string> makeSentences(const Rigidity& rigidity, const Recording
 
 void run(const Options& options, bool limited, int& exit_status) {
     const MountModel model = readMountModel(options.model);
-    std::unique_ptr<ColumnMap> map;
-    if (!options.common.column_map.empty()) map = std::make_unique<ColumnMap>(readColumnMap(options.common.column_map));
-    const Recording recording = readRecording(options.recording, map.get());
+    const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
     const Rigidity rigidity = checkRigidity(recording, model);
     const Table table = makeTable(rigidity);
     const std::vector<std::string> sentences = makeSentences(rigidity, recording);

@@ -150,8 +150,8 @@ void reportUnreachedStops(Solver& solver, FitResult& result) {
         entry.names = {parameter.name, stop + ".stiffness"};
         entry.unit = "";
         entry.reason = noticed > 0 ? "not reached: clearance > " + format(noticed) + " m" : "not reached";
-        entry.separate_by =
-            "a run in which " + stop + " is pushed beyond " + format(std::max(0.0, solver.calcReach(term))) + " m";
+        const double beyond = std::max(solver.calcReach(term), stopOf(solver.base(), term).clearance);
+        entry.separate_by = "a run in which " + stop + " is pushed beyond " + format(beyond) + " m";
         result.not_identifiable.push_back(std::move(entry));
     }
 }

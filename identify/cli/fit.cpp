@@ -1,0 +1,258 @@
+// identify fit: stiffness, clearance, stop stiffness and damping of each connection and axis, with intervals.
+#include "identify/fit/fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "identify/cli/command.hpp"
+#include "identify/cli/component_fit.hpp"
+#include "identify/cli/recordings.hpp"
+#include "identify/fit/stopwatch.hpp"
+#include "models/error.hpp"
+#include "models/recording/csv_reader.hpp"
+#include "models/report/html_report.hpp"
+
+namespace wems::identify::cli {
+namespace {
+
+struct FitCommandOptions {
+    CommonOptions common;
+    FitOptions fit;
+    std::vector<std::string> recordings;
+    std::string model, output, use = "all";
+    ComponentOptions component;
+    std::string axis;
+    double mass = 0, from = 0, to = 0;
+    bool timing = false;
+};
+
+using Timing = std::vector<std::pair<std::string, double>>;
+
+nlohmann::json makeJson(const FitResult& fit, const std::vector<std::string>& notes, const Timing& timing) {
+    auto parameters = nlohmann::json::array(), unknown = nlohmann::json::array();
+    for (const auto& p : fit.parameters)
+        parameters.push_back({{"name", p.name},
+                              {"value", p.value},
+                              {"unit", p.unit},
+                              {"interval95", p.interval95},
+                              {"standard_error", p.standard_error},
+                              {"model_value", p.model_value}});
+    for (const auto& group : fit.not_identifiable) {
+        nlohmann::json entry = {{"names", group.names},
+                                {"known_combination", group.combination},
+                                {"unit", group.unit},
+                                {"separate_by", group.separate_by}};
+        if (!group.combination.empty()) {
+            entry["value"] = group.value;
+            entry["interval95"] = group.interval95;
+        }
+        if (!group.reason.empty()) entry["reason"] = group.reason;
+        unknown.push_back(std::move(entry));
+    }
+    nlohmann::json result = {{"parameters", parameters},
+                             {"not_identifiable", unknown},
+                             {"residual", {{"fraction", fit.residual_fraction}}},
+                             {"notes", notes}};
+    for (const auto& [step, seconds] : timing) result["timing"][step] = seconds;
+    return result;
+}
+
+Table makeParameterTable(const FitResult& fit) {
+    Table table({"parameter", "model", "identified", "95 % from", "to", "unit"});
+    for (const auto& p : fit.parameters)
+        table.addRow({p.name, formatNumber(p.model_value), formatNumber(p.value, 6), formatNumber(p.interval95[0], 6),
+                      formatNumber(p.interval95[1], 6), p.unit});
+    return table;
+}
+
+std::string join(const std::vector<std::string>& names) {
+    std::string text;
+    for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+    return text;
+}
+
+Table makeOpenTable(const FitResult& fit) {
+    Table table({"not identifiable one by one", "what is known", "value", "95 % from", "to", "would be told by"});
+    for (const auto& group : fit.not_identifiable) {
+        const bool known = !group.combination.empty();
+        table.addRow({join(group.names),
+                      known                  ? group.combination
+                      : group.reason.empty() ? "nothing"
+                                             : group.reason,
+                      known ? formatNumber(group.value, 6) : "-", known ? formatNumber(group.interval95[0], 6) : "-",
+                      known ? formatNumber(group.interval95[1], 6) : "-", group.separate_by});
+    }
+    return table;
+}
+
+std::string describeResidual(const FitResult& fit) {
+    return "unexplained: " + formatNumber(100 * fit.residual_fraction, 3) + " % of the wrench that the motion demands";
+}
+
+void addDisplacementPlots(HtmlReport& page, const std::vector<RunMotion>& runs) {
+    for (const RunMotion& run : runs) {
+        page.addHeading("Motion of the mobile part: " + run.file);
+        Plot translation{"Translation of the mobile frame's origin", "time [s]", "displacement [mm]", {}, false};
+        Plot rotation{"Rotation of the mobile part", "time [s]", "rotation [mrad]", {}, false};
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::string name(1, "xyz"[axis]);
+            const Eigen::VectorXd p = 1e3 * run.mobile.p.row(axis).transpose(),
+                                  angle = 1e3 * run.mobile.theta.row(axis).transpose();
+            translation.series.push_back({name, run.time, {p.begin(), p.end()}});
+            rotation.series.push_back({name, run.time, {angle.begin(), angle.end()}});
+        }
+        page.addPlot(translation);
+        page.addPlot(rotation);
+    }
+}
+
+void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const std::vector<std::string>& notes,
+                 const std::string& file) {
+    HtmlReport page("Identified mount: " + fit.model.name);
+    page.addText(describeResidual(fit));
+    const Table parameters = makeParameterTable(fit), open = makeOpenTable(fit);
+    page.addTable(parameters.header(), parameters.rows());
+    if (!open.rows().empty()) {
+        page.addHeading("What these data cannot tell");
+        page.addTable(open.header(), open.rows());
+    }
+    for (const auto& note : notes) page.addText(note);
+    addDisplacementPlots(page, runs);
+    page.write(file);
+}
+
+/// Leaves out the displacement or the acceleration channels of both parts.
+void keepOnly(const std::string& use, std::vector<Recording>& recordings) {
+    if (use == "all") return;
+    const Derivative kept = use == "accelerations" ? Derivative::acceleration : Derivative::displacement;
+    for (Recording& recording : recordings) {
+        auto& channels = recording.channels;
+        channels.erase(std::remove_if(channels.begin(), channels.end(),
+                                      [&](const Channel& channel) {
+                                          const auto name = parseChannelName(channel.name);
+                                          return name && (name->part == Part::mobile || name->part == Part::fixed) &&
+                                                 name->derivative != kept;
+                                      }),
+                       channels.end());
+    }
+}
+
+void fitDevice(const FitCommandOptions& options, const MountModel& model, std::vector<Recording>& recordings,
+               Timing timing) {
+    keepOnly(options.use, recordings);
+    Stopwatch watch(timing);
+    std::vector<RunMotion> runs;
+    std::vector<std::string> notes;
+    for (const Recording& recording : recordings) {
+        runs.push_back(estimateMotion(recording, model));
+        for (const auto& warning : recording.warnings) notes.push_back(recording.file + ": " + warning);
+        for (const auto& note : runs.back().notes) notes.push_back(recording.file + ": " + note);
+    }
+    watch.lap("kinematics");
+    const FitResult fit = fitMount(runs, model, options.fit);
+    notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
+    timing.insert(timing.end(), fit.timing.begin(), fit.timing.end());
+    if (!options.output.empty()) writeMountModel(fit.model, options.output);
+    if (options.common.json_file != "-") {
+        std::cout << makeParameterTable(fit).format();
+        const Table open = makeOpenTable(fit);
+        if (!open.rows().empty()) std::cout << "\n" << open.format();
+        std::cout << "\n" << describeResidual(fit) << "\n";
+        for (const auto& note : notes) std::cout << "note: " << note << "\n";
+        if (options.timing)
+            for (const auto& [step, seconds] : timing)
+                std::cout << "time: " << step << " " << formatNumber(seconds, 3) << " s\n";
+    }
+    writeJson(makeJson(fit, notes, options.timing ? timing : Timing{}), options.common);
+    if (!options.common.report_file.empty()) writeReport(fit, runs, notes, options.common.report_file);
+}
+
+void fitElement(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings) {
+    ComponentFit fit = fitComponent(recordings, model, options.component);
+    for (const Recording& recording : recordings)
+        for (const auto& warning : recording.warnings) fit.notes.push_back(recording.file + ": " + warning);
+    if (!options.output.empty()) writeMountModel(fit.fitted, options.output);
+    reportComponentFit(fit, options.common);
+    if (options.common.report_file.empty()) return;
+    HtmlReport page("Identified element: connection " + fit.connection + ", axis " + "xyz"[fit.axis]);
+    const Table table = tabulateParameters(fit.parameters);
+    page.addTable(table.header(), table.rows());
+    for (const Recording& recording : recordings) {
+        const ComponentData data = extractComponent(recording, options.component);
+        const Eigen::VectorXd q = 1e3 * data.q;
+        page.addPlot({"Force over displacement: " + data.file,
+                      "displacement [mm]",
+                      "force [N]",
+                      {{"measured", {q.begin(), q.end()}, {data.force.begin(), data.force.end()}}},
+                      true});
+    }
+    for (const auto& note : fit.notes) page.addText(note);
+    page.write(options.common.report_file);
+}
+
+void run(FitCommandOptions options, const CLI::App& command) {
+    Timing timing;
+    Stopwatch watch(timing);
+    const MountModel model = readMountModel(options.model);
+    const std::optional<ColumnMap> map = readOptionalMap(options.common.column_map);
+    std::vector<Recording> recordings;
+    for (const auto& file : options.recordings) {
+        recordings.push_back(readRecording(file, map ? &*map : nullptr));
+        if (isComponentTest(recordings.back()) != isComponentTest(recordings.front()))
+            throw InputError({file, 0, ""}, "a component test and a recording of a whole device",
+                             "recordings of one kind in one fit");
+    }
+    watch.lap("reading");
+    const bool element =
+        isComponentTest(recordings.front()) || command.count("--mass") > 0 || command.count("--axis") > 0;
+    if (!element) {
+        for (Recording& recording : recordings) checkConnections(recording, model);
+        watch.lap("checks");
+        fitDevice(options, model, recordings, std::move(timing));
+        return;
+    }
+    ComponentOptions& component = options.component;
+    if (!options.axis.empty()) component.axis = static_cast<int>(std::string("xyz").find(options.axis));
+    if (command.count("--mass") > 0) component.mass = options.mass;
+    if (command.count("--from") > 0) component.from = options.from;
+    if (command.count("--to") > 0) component.to = options.to;
+    component.time_known = !map || map->has_time || map->sample_interval != 1;
+    fitElement(options, model, recordings);
+}
+
+}  // namespace
+
+void addFitCommand(CLI::App& app, int& /*exit_status*/) {
+    auto* command = app.add_subcommand("fit", "Stiffness, clearance, stops and damping, each with its 95 % interval");
+    const auto options = std::make_shared<FitCommandOptions>();
+    command->add_option("recordings", options->recordings, "recordings of one device or element (CSV)")->required();
+    command->add_option("--model", options->model, "mount model to start from (TOML)")->required();
+    command->add_option("-o,--output", options->output, "write the model with the identified values to FILE (TOML)");
+    command->add_option("--free", options->fit.free_body,
+                        "also identify body.center_of_gravity, body.inertia, or one component of them");
+    command
+        ->add_option("--use", options->use, "channels of both parts to use: all, displacements or accelerations alone")
+        ->check(CLI::IsMember({"all", "displacements", "accelerations"}));
+    command->add_flag("--timing", options->timing, "show how long each step took");
+    addCommonOptions(*command, options->common);
+    const std::string element = "Component test (one element, force measured or a known mass)";
+    command->add_option("--connection", options->component.connection, "absent: the first one recorded")
+        ->group(element);
+    command->add_option("--axis", options->axis, "x, y or z; absent: the first one recorded")
+        ->check(CLI::IsMember({"x", "y", "z"}))
+        ->group(element);
+    command->add_option("--mass", options->mass, "kg; the force is then mass x acceleration of the mobile end")
+        ->check(CLI::PositiveNumber)
+        ->group(element);
+    command->add_option("--from", options->from, "s, start of the window")->group(element);
+    command->add_option("--to", options->to, "s, end of the window")->group(element);
+    command->footer(
+        "Examples:\n"
+        "  identify fit axial.csv oblique.csv --model believed.toml -o fitted.toml --json fit.json\n"
+        "  identify fit drop.csv --columns map.toml --model element.toml --mass 0.639 --from 0.40 --to 0.55");
+    command->callback([options, command] { run(*options, *command); });
+}
+
+}  // namespace wems::identify::cli

@@ -1,0 +1,26 @@
+/// @file
+/// Reading recordings for a command: the column map, and the checks that need the model.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/mount_model.hpp"
+#include "models/recording/column_map.hpp"
+#include "models/recording/recording.hpp"
+
+namespace wems::identify::cli {
+
+/// The column map of `--columns`; nothing if `file` is empty.
+std::optional<ColumnMap> readOptionalMap(const std::string& file);
+
+/// Connections that are missing, unknown or exchanged join the recording's warnings.
+void checkConnections(Recording& recording, const MountModel& model);
+
+/// Reads recordings of a device and checks their connections against the model's.
+/// @throws InputError as readRecording()
+std::vector<Recording> readDeviceRecordings(const std::vector<std::string>& files, const std::string& column_map,
+                                            const MountModel& model);
+
+}  // namespace wems::identify::cli
