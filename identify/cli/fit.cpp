@@ -51,10 +51,11 @@ nlohmann::json makeJson(const FitResult& fit, const std::vector<std::string>& no
         if (!group.reason.empty()) entry["reason"] = group.reason;
         unknown.push_back(std::move(entry));
     }
-    nlohmann::json result = {{"parameters", parameters},
-                             {"not_identifiable", unknown},
-                             {"residual", {{"fraction", fit.residual_fraction}}},
-                             {"notes", notes}};
+    nlohmann::json result = {
+        {"parameters", parameters},
+        {"not_identifiable", unknown},
+        {"residual", {{"fraction", fit.residual_fraction}, {"over_noise", fit.residual_over_noise}}},
+        {"notes", notes}};
     for (const auto& [step, seconds] : timing) result["timing"][step] = seconds;
     return result;
 }

@@ -47,6 +47,8 @@ struct FitResult {
     std::vector<FittedParameter> parameters;
     std::vector<UnidentifiedGroup> not_identifiable;
     double residual_fraction = 0;  ///< RMS of the unexplained wrench over that of the demanded one
+    double residual_over_noise =
+        0;  ///< of the weighted equations, RMS over what the channels' noise gives; 0 if unknown
     std::vector<std::string> notes;
     std::vector<std::pair<std::string, double>> timing;  ///< step, s
 };

@@ -156,6 +156,18 @@ void reportUnreachedStops(Solver& solver, FitResult& result) {
     }
 }
 
+/// What is left should be noise; where it is not, the intervals say less than they seem to.
+void warnOfMissingTerms(const Solver& solver, const ParameterUncertainty& uncertainty, FitResult& result) {
+    constexpr double notable = 2, least_fraction = 5e-3;
+    const double expected = solver.calcNoiseSquares() + uncertainty.calibrationSquares();
+    result.residual_over_noise = expected > 0 ? std::sqrt(solver.calcResidualSquares() / expected) : 0.0;
+    if (result.residual_over_noise < notable || result.residual_fraction < least_fraction) return;
+    result.notes.push_back(
+        "what is left unexplained is " + format(result.residual_over_noise) +
+        " times what the channels' noise leaves: the mount does something that this model does not have "
+        "(identify diagnose looks for it), and the intervals hold only as far as the model does");
+}
+
 }  // namespace
 
 void reportFit(Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
@@ -181,6 +193,7 @@ void reportFit(Solver& solver, const LinearSystem& system, const ParameterUncert
     reportOpenGroups(solver, system, uncertainty, identifiability, result);
     reportUnreachedStops(solver, result);
     result.residual_fraction = calcResidualFraction(solver);
+    warnOfMissingTerms(solver, uncertainty, result);
 }
 
 }  // namespace wems::identify

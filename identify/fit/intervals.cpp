@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kOrder = 12;  // of the autoregressive model: twice the overlap of neighbouring test functions
 constexpr int kBlocksPerRun = 100;
+constexpr double kGainFreedom = 12;  // degrees of freedom that the scatter of gains is estimated with, at least about
 
 struct Autoregression {
     Eigen::VectorXd coefficients;  // r_n = Σ a_j r_{n−j} + e_n
@@ -72,12 +73,14 @@ ParameterUncertainty::ParameterUncertainty(const Solver& solver, const LinearSys
     influences_.resize(count, static_cast<Eigen::Index>(scores.size()));
     for (std::size_t b = 0; b < scores.size(); ++b)
         influences_.col(static_cast<Eigen::Index>(b)) = system.inverse * scores[b];
+    calibration_ = calcCalibrationEffect(solver, system);
 }
 
 double ParameterUncertainty::calcStandardError(const Eigen::VectorXd& combination) const {
     const double stationary = combination.dot(stationary_ * combination);
     const double blocks = (combination.transpose() * influences_).squaredNorm();
-    return std::sqrt(std::max({stationary, blocks, 0.0}));
+    return std::sqrt(std::max({stationary, blocks, 0.0}) +
+                     (combination.transpose() * calibration_.influences).squaredNorm());
 }
 
 double ParameterUncertainty::calcHalfWidth(const Eigen::VectorXd& combination) const {
@@ -86,8 +89,10 @@ double ParameterUncertainty::calcHalfWidth(const Eigen::VectorXd& combination) c
     // Blocks that carry information; of Gaussian sums the fourth moment is three times the squared variance.
     const double blocks = squares.sum(), fourth = squares.square().sum();
     const double degrees_of_freedom = fourth > 0 ? 3 * blocks * blocks / fourth - 1 : 1;
-    return std::max(studentQuantile95(1e6) * stationary,
-                    studentQuantile95(std::max(1.0, degrees_of_freedom)) * std::sqrt(blocks));
+    const double noise = std::max(studentQuantile95(1e6) * stationary,
+                                  studentQuantile95(std::max(1.0, degrees_of_freedom)) * std::sqrt(blocks));
+    return std::hypot(noise,
+                      studentQuantile95(kGainFreedom) * (combination.transpose() * calibration_.influences).norm());
 }
 
 Eigen::MatrixXd ParameterUncertainty::makeCovariance() const {
@@ -96,7 +101,8 @@ Eigen::MatrixXd ParameterUncertainty::makeCovariance() const {
         const double blocks = influences_.row(j).squaredNorm(), stationary = stationary_(j, j);
         inflation(j) = stationary > 0 ? std::sqrt(std::max(1.0, blocks / stationary)) : 1.0;
     }
-    return inflation.asDiagonal() * stationary_ * inflation.asDiagonal();
+    return inflation.asDiagonal() * stationary_ * inflation.asDiagonal() +
+           calibration_.influences * calibration_.influences.transpose();
 }
 
 }  // namespace wems::identify

@@ -6,11 +6,15 @@
 /// - stationary: an autoregressive model of each whitened equation's residual, so that JᵀΓJ = |A⁻¹ J|²;
 /// - blocks: sums of Jᵀr over blocks of time, which needs no stationarity (contact makes residuals larger there).
 ///
+/// To this comes what the scatter of the channels' gains may do (calibration_effect.hpp), where the rigid fit shows
+/// any.
+///
 /// Sources: White (1980), doi:10.2307/1912934; Newey and West (1987), doi:10.2307/1913610; AR by Burg–Yule–Walker.
 #pragma once
 
 #include <Eigen/Core>
 
+#include "identify/fit/calibration_effect.hpp"
 #include "identify/fit/solver.hpp"
 
 namespace wems::identify {
@@ -26,10 +30,13 @@ public:
     double calcHalfWidth(const Eigen::VectorXd& combination) const;
     /// The elementwise larger diagonal with the correlation of the stationary version.
     Eigen::MatrixXd makeCovariance() const;
+    /// Sum of squares of the whitened residual that the scatter of gains leaves on average.
+    double calibrationSquares() const { return calibration_.residual_squares; }
 
 private:
     Eigen::MatrixXd stationary_;  // covariance
     Eigen::MatrixXd influences_;  // parameters × blocks: U Jᵀr of each block
+    CalibrationEffect calibration_;
 };
 
 }  // namespace wems::identify

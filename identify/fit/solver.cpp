@@ -133,6 +133,16 @@ double Solver::calcObjective() const {
     return objective;
 }
 
+double Solver::calcResidualSquares() const {
+    const Eigen::VectorXd coefficients = equations_.makeCoefficients(model_);
+    return coefficients.dot(equations_.gram() * coefficients);
+}
+
+double Solver::calcNoiseSquares() const {
+    const Eigen::VectorXd coefficients = equations_.makeCoefficients(model_);
+    return coefficients.dot(makeNoiseProducts() * coefficients);
+}
+
 Eigen::VectorXd Solver::getParameters(const LinearSystem& system) const {
     Eigen::VectorXd values(system.scale.size());
     for (Eigen::Index j = 0; j < values.size(); ++j)
@@ -195,7 +205,7 @@ bool Solver::scanStop(const StopTerm& term) {
     auto with = others;
     with.push_back(term);
     std::vector<double> candidates;
-    for (double share = 0.35; share < 0.99; share += 0.08) candidates.push_back(share * reach);
+    for (int step = 0; step < 8; ++step) candidates.push_back((0.35 + 0.08 * step) * reach);
     const double known = stopOf(base_, term).clearance;
     if (known > 0.3 * reach && known < 0.99 * reach) candidates.push_back(known);
     double best = without - kNoticed;
@@ -313,7 +323,8 @@ double Solver::findNoticedClearance(const StopTerm& term) {
     auto with = others;
     with.push_back(term);
     double noticed = 0;
-    for (double share = 0.98; share > 0.3 && noticed == 0; share -= 0.04) {
+    for (int step = 0; step < 17 && noticed == 0; ++step) {
+        const double share = 0.98 - 0.04 * step;
         updStop(model_, term).clearance = share * reach;
         equations_.setStops(model_, with);
         const LinearSystem system = makeSystem(false);

@@ -40,8 +40,12 @@ public:
     /// Derivative of the residual of run `run` to the parameters of `system` (scaled): rows 6 n + e.
     RowMatrix calcSensitivity(std::size_t run, const LinearSystem& system) const;
     Eigen::VectorXd calcResidual(std::size_t run) const;
+    /// Sum of squares of the whitened residual, and the part of it that the channels' noise explains on average.
+    double calcResidualSquares() const;
+    double calcNoiseSquares() const;
     std::size_t runCount() const { return equations_.runs().size(); }
     const NormalEquations& equations() const { return equations_; }
+    const std::vector<RunMotion>& motions() const { return motions_; }
     const MountModel& base() const { return base_; }
 
     /// How far each side of an axis was reached in any run, m, offset included (negative if never).

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/motion/gain_scatter.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
 
@@ -26,6 +27,7 @@ struct PartMotion {
     bool acceleration_measured = false;  ///< a and alpha rest on acceleration channels
     double displacement_noise = 0;  ///< m RMS of one channel, from what the rigid fit leaves; NaN if it cannot be told
     double acceleration_noise = 0;  ///< m/s² RMS of one channel, likewise
+    Calibration displacement_calibration, acceleration_calibration;  ///< empty without such channels
 };
 
 /// Motion of both parts in one run.

@@ -87,6 +87,8 @@ public:
             Eigen::MatrixXd residuals;
             displacement_.solvePoses(motion.p, motion.theta, &residuals);
             motion.displacement_noise = estimateNoise(displacement_, residuals, motion.p);
+            motion.displacement_calibration =
+                calibrate(displacement_, residuals, motion.displacement_noise, "displacement");
         }
         if (displacement && acceleration) {
             fuse();
@@ -116,6 +118,17 @@ private:
     }
 
     void note(const std::string& text) { result_.notes.push_back(std::string(nameOf(part_)) + ": " + text); }
+
+    Calibration calibrate(const RigidFit& fit, const Eigen::MatrixXd& residuals, double noise, const char* kind) {
+        Calibration calibration = estimateCalibration(fit.channelSet(), residuals, noise);
+        if (calibration.gain_scatter > 0) {
+            char text[120];
+            std::snprintf(text, sizeof text, "the gains of its %s channels scatter by %.2g %%", kind,
+                          100 * calibration.gain_scatter);
+            note(text);
+        }
+        return calibration;
+    }
 
     [[noreturn]] void throwUndetermined() const {
         const bool use_displacement = displacement_.channelSet().count() >= acceleration_.channelSet().count();
@@ -182,6 +195,8 @@ private:
             motion.w = calcAngularVelocities(motion.theta, rate);
             if (hasConverged(w_before)) break;
         }
+        motion.acceleration_calibration =
+            calibrate(acceleration_, residuals, motion.acceleration_noise, "acceleration");
         motion.v.resize(3, motion.p.cols());
         for (int i = 0; i < 3; ++i) {
             const FusedSignal fused =
@@ -259,6 +274,8 @@ private:
             if (hasConverged(w_before)) break;
         }
         motion.acceleration_noise = estimateNoise(acceleration_, residuals, motion.a);
+        motion.acceleration_calibration =
+            calibrate(acceleration_, residuals, motion.acceleration_noise, "acceleration");
         for (int i = 0; i < 3; ++i) {
             const IntegratedSignal integral =
                 integrateTwice(motion.a.row(i).transpose(), interval_, result_.trusted_from);
