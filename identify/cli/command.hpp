@@ -27,6 +27,7 @@ void addFitCommand(CLI::App& app, int& exit_status);
 void addSurfaceCommand(CLI::App& app, int& exit_status);
 void addCompareCommand(CLI::App& app, int& exit_status);
 void addDiagnoseCommand(CLI::App& app, int& exit_status);
+void addConvertCommand(CLI::App& app, int& exit_status);
 
 using wems::Table;
 

@@ -10,7 +10,7 @@
 #include "models/error.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/column_map.hpp"
-#include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
@@ -146,8 +146,9 @@ void addCompareCommand(CLI::App& app, int& exit_status) {
     auto* command = app.add_subcommand("compare", "Errors of a simulated recording against a measured one");
     auto options = std::make_shared<CompareOptions>();
     addCommonOptions(*command, options->common);
-    command->add_option("measured", options->measured, "CSV of the test")->required();
-    command->add_option("simulated", options->simulated, "CSV of the simulation")->required();
+    command->add_option("measured", options->measured, "recording of the test (CSV, MATLAB, UFF 58, OpenSim)")
+        ->required();
+    command->add_option("simulated", options->simulated, "recording of the simulation")->required();
     command->add_option("--model", options->model,
                         "mount model: exact relative displacements, and errors free and in contact apart");
     command->add_option("--limit", options->limit, "exit status 1 if the error exceeds this fraction")

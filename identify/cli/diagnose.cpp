@@ -45,9 +45,10 @@ void runDiagnose(const DiagnoseArguments& arguments) {
 void addDiagnoseCommand(CLI::App& app, int&) {
     auto arguments = std::make_shared<DiagnoseArguments>();
     auto* command = app.add_subcommand("diagnose", "Find what the model lacks or has wrong, and extend it");
-    command->add_option("runs", arguments->runs, "recordings to identify from (CSV)")->required();
+    command->add_option("runs", arguments->runs, "recordings to identify from (CSV, MATLAB, UFF 58, OpenSim)")
+        ->required();
     command->add_option("--model", arguments->model, "mount model (TOML)")->required();
-    command->add_option("--validate", arguments->validation, "recordings that judge (CSV); never fitted to");
+    command->add_option("--validate", arguments->validation, "recordings that judge; never fitted to");
     command->add_option("-o,--output", arguments->output, "write the extended model to FILE (TOML)");
     addCommonOptions(*command, arguments->common);
     command->footer(

@@ -11,7 +11,7 @@
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
 #include "models/error.hpp"
-#include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
@@ -227,7 +227,7 @@ void run(FitCommandOptions options, const CLI::App& command) {
 void addFitCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("fit", "Stiffness, clearance, stops and damping, each with its 95 % interval");
     const auto options = std::make_shared<FitCommandOptions>();
-    command->add_option("recordings", options->recordings, "recordings of one device or element (CSV)")->required();
+    command->add_option("recordings", options->recordings, "recordings of one device or element (CSV, MATLAB, UFF 58, OpenSim)")->required();
     command->add_option("--model", options->model, "mount model to start from (TOML)")->required();
     command->add_option("-o,--output", options->output, "write the model with the identified values to FILE (TOML)");
     command->add_option("--free", options->fit.free_body,

@@ -1,7 +1,7 @@
 #include "identify/cli/recordings.hpp"
 
 #include "models/recording/connection_checks.hpp"
-#include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 
 namespace wems::identify::cli {
 

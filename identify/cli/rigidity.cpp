@@ -104,7 +104,7 @@ void run(const Options& options, bool limited, int& exit_status) {
 void addRigidityCommand(CLI::App& app, int& exit_status) {
     CLI::App* command = app.add_subcommand("rigidity", "check that each part of a recording moves as a rigid body");
     const auto options = std::make_shared<Options>();
-    command->add_option("recording", options->recording, "recording (CSV)")->required();
+    command->add_option("recording", options->recording, "recording (CSV, MATLAB, UFF 58, OpenSim)")->required();
     command->add_option("--model", options->model, "mount model (TOML)")->required();
     CLI::Option* limit =
         command->add_option("--limit", options->limit, "exit status 1 if a check exceeds this, in percent");

@@ -40,6 +40,7 @@ struct Channel {
 
 struct Recording {
     std::string file;
+    std::string format;                           ///< `CSV`, `MATLAB 7.3` …; empty if it was never in a file
     std::map<std::string, std::string> metadata;  ///< the `# key: value` lines
     std::vector<double> time;                     ///< s, strictly increasing
     std::vector<Channel> channels;                ///< those whose name is known, in file order

@@ -4,6 +4,7 @@
 
 #include "models/error.hpp"
 #include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "tests/recording/temporary_file.hpp"
 
 using namespace wems;

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "tests/recording/temporary_file.hpp"
 
 using namespace wems;
