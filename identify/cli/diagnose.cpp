@@ -21,7 +21,7 @@ struct DiagnoseArguments {
 };
 
 void runDiagnose(const DiagnoseArguments& arguments) {
-    const MountModel model = readMountModel(arguments.model);
+    const MountModel model = readDeviceModel(arguments.model, arguments.common.geometry);
     const auto identification = readDeviceRecordings(arguments.runs, arguments.common.column_map, model);
     const auto validation = readDeviceRecordings(arguments.validation, arguments.common.column_map, model);
     DiagnosisOptions options;
@@ -51,6 +51,7 @@ void addDiagnoseCommand(CLI::App& app, int&) {
     command->add_option("--validate", arguments->validation, "recordings that judge; never fitted to");
     command->add_option("-o,--output", arguments->output, "write the extended model to FILE (TOML)");
     addCommonOptions(*command, arguments->common);
+    addGeometryOption(*command, arguments->common);
     command->footer(
         "Example:\n  identify diagnose run1.csv run2.csv --model mount.toml --validate run3.csv -o extended.toml");
     command->callback([arguments] { runDiagnose(*arguments); });

@@ -195,8 +195,8 @@ void fitElement(const FitCommandOptions& options, const MountModel& model, const
 void run(FitCommandOptions options, const CLI::App& command) {
     Timing timing;
     Stopwatch watch(timing);
-    const MountModel model = readMountModel(options.model);
-    const std::optional<ColumnMap> map = readOptionalMap(options.common.column_map);
+    const MountModel model = readDeviceModel(options.model, options.common.geometry);
+    const std::optional<ColumnMap> map = readDeviceMap(options.common.column_map, model);
     std::vector<Recording> recordings;
     for (const auto& file : options.recordings) {
         recordings.push_back(readRecording(file, map ? &*map : nullptr));
@@ -227,7 +227,10 @@ void run(FitCommandOptions options, const CLI::App& command) {
 void addFitCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("fit", "Stiffness, clearance, stops and damping, each with its 95 % interval");
     const auto options = std::make_shared<FitCommandOptions>();
-    command->add_option("recordings", options->recordings, "recordings of one device or element (CSV, MATLAB, UFF 58, OpenSim)")->required();
+    command
+        ->add_option("recordings", options->recordings,
+                     "recordings of one device or element (CSV, MATLAB, UFF 58, OpenSim)")
+        ->required();
     command->add_option("--model", options->model, "mount model to start from (TOML)")->required();
     command->add_option("-o,--output", options->output, "write the model with the identified values to FILE (TOML)");
     command->add_option("--free", options->fit.free_body,
@@ -237,6 +240,7 @@ void addFitCommand(CLI::App& app, int& /*exit_status*/) {
         ->check(CLI::IsMember({"all", "displacements", "accelerations"}));
     command->add_flag("--timing", options->timing, "show how long each step took");
     addCommonOptions(*command, options->common);
+    addGeometryOption(*command, options->common);
     const std::string element = "Component test (one element, force measured or a known mass)";
     command->add_option("--connection", options->component.connection, "absent: the first one recorded")
         ->group(element);

@@ -81,7 +81,7 @@ std::vector<std::string> makeSentences(const Rigidity& rigidity, const Recording
 }
 
 void run(const Options& options, bool limited, int& exit_status) {
-    const MountModel model = readMountModel(options.model);
+    const MountModel model = readDeviceModel(options.model, options.common.geometry);
     const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
     const Rigidity rigidity = checkRigidity(recording, model);
     const Table table = makeTable(rigidity);
@@ -110,6 +110,7 @@ void addRigidityCommand(CLI::App& app, int& exit_status) {
         command->add_option("--limit", options->limit, "exit status 1 if a check exceeds this, in percent");
     limit->check(CLI::NonNegativeNumber);
     addCommonOptions(*command, options->common);
+    addGeometryOption(*command, options->common);
     command->footer("Example:\n  identify rigidity run.csv --model smallsat.toml --limit 0.5 --json rigidity.json");
     command->callback([options, limit, &exit_status] { run(*options, limit->count() > 0, exit_status); });
 }

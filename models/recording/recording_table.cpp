@@ -69,7 +69,8 @@ void finishRecording(Recording& recording, const ColumnMap* map, bool positions)
     const RestPosition rest = map != nullptr ? map->rest : RestPosition{};
     if (rest.kind == RestPosition::Kind::mean || (positions && rest.kind == RestPosition::Kind::by_format))
         takeRestOff(recording, rest.duration);
-    for (auto& finding : repairAndCheck(recording)) recording.warnings.push_back(std::move(finding.message));
+    recording.findings = repairAndCheck(recording);
+    for (const auto& finding : recording.findings) recording.warnings.push_back(finding.message);
 }
 
 Recording makeRecording(RecordingTable table, const ColumnMap* map) {

@@ -1,0 +1,109 @@
+#include "identify/inspect/plateaus.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace wems::identify {
+namespace {
+
+constexpr std::size_t least_saturated = 6;  // samples
+constexpr double band = 3;                  // noise deviations on each side of the limit
+constexpr double entry_step = 6;            // noise deviations a sample
+constexpr std::size_t least_runs = 2;       // at one limit: a single flat peak proves nothing
+constexpr std::size_t least_frozen = 4;     // samples
+constexpr double moving = 4;                // resolution steps a sample
+
+struct Run {
+    std::size_t begin = 0, end = 0;
+};
+
+std::string describeRuns(const std::vector<Run>& runs, const std::vector<double>& time) {
+    std::size_t samples = 0;
+    for (const Run& run : runs) samples += run.end - run.begin;
+    char text[120];
+    std::snprintf(text, sizeof text, "%zu %s, %zu samples in all, first at %.6g s", runs.size(),
+                  runs.size() == 1 ? "time" : "times", samples, time[runs.front().begin]);
+    return text;
+}
+
+/// Runs within the band below the largest value of `v` (above the smallest for sign = -1).
+std::vector<Run> findSaturated(const std::vector<double>& v, double noise, double sign) {
+    double extreme = -std::numeric_limits<double>::infinity();
+    for (const double value : v) extreme = std::max(extreme, sign * value);
+    // The highest of many noisy values stands some 4 σ above the limit.
+    const double floor = extreme - (4 + band) * noise;
+    std::vector<Run> runs;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        if (sign * v[i] < floor) continue;
+        std::size_t end = i;
+        while (end < v.size() && sign * v[end] >= floor) ++end;
+        // One sample off the plateau: the step onto it is shortened by the limit.
+        const bool before = i >= 2 && sign * (v[i - 1] - v[i - 2]) > entry_step * noise;
+        const bool after = end + 1 < v.size() && sign * (v[end] - v[end + 1]) > entry_step * noise;
+        if (end - i >= least_saturated && before && after) runs.push_back({i, end});
+        i = end;
+    }
+    return runs;
+}
+
+/// Smallest change from sample to sample that is not zero.
+double findResolution(const std::vector<double>& v) {
+    double step = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < v.size(); ++i) {
+        const double change = std::abs(v[i] - v[i - 1]);
+        if (change > 0 && change < step) step = change;
+    }
+    return step;
+}
+
+std::vector<Run> findFrozen(const std::vector<double>& v, double noise) {
+    const auto [low, high] = std::minmax_element(v.begin(), v.end());
+    const double lowest = *low, highest = *high;
+    double limit = -1;  // found when needed
+    std::vector<Run> runs;
+    for (std::size_t i = 0; i + least_frozen <= v.size(); ++i) {
+        if (v[i + 1] != v[i]) continue;
+        std::size_t end = i;
+        while (end < v.size() && v[end] == v[i]) ++end;
+        const bool extreme = v[i] == lowest || v[i] == highest;
+        if (end - i >= least_frozen && !(extreme && v[i] != 0)) {
+            if (limit < 0) limit = std::max(moving * findResolution(v), noise);
+            const bool jump = (i >= 1 && std::abs(v[i] - v[i - 1]) > limit) ||
+                              (end < v.size() && std::abs(v[end] - v[end - 1]) > limit);
+            const bool moves = (i >= 2 && std::abs(v[i - 1] - v[i - 2]) > 0.5 * limit) ||
+                               (end + 1 < v.size() && std::abs(v[end + 1] - v[end]) > 0.5 * limit);
+            if (jump && moves) runs.push_back({i, end});
+        }
+        i = end - 1;
+    }
+    return runs;
+}
+
+}  // namespace
+
+std::vector<Finding> findPlateaus(const Channel& channel, const std::vector<double>& time, double noise, long row) {
+    std::vector<Finding> findings;
+    const auto& v = channel.values;
+    if (v.size() < 16) return findings;
+    const auto add = [&](FindingKind kind, const std::vector<Run>& runs, const std::string& what) {
+        const std::size_t first = runs.front().begin;
+        findings.push_back({kind, channel.name, row + static_cast<long>(first), time[first],
+                            channel.name + ": " + what + " " + describeRuns(runs, time)});
+    };
+    if (noise > 0) {
+        for (const double sign : {1.0, -1.0}) {
+            const auto runs = findSaturated(v, noise, sign);
+            if (runs.size() < least_runs) continue;
+            add(FindingKind::saturated, runs,
+                std::string("saturated: flat within its noise at its ") + (sign > 0 ? "largest" : "smallest") +
+                    " values");
+        }
+    }
+    const auto frozen = findFrozen(v, noise);
+    if (!frozen.empty()) add(FindingKind::drop_out, frozen, "drop-out: the value freezes while the signal moves,");
+    return findings;
+}
+
+}  // namespace wems::identify
