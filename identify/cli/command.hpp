@@ -32,6 +32,7 @@ void addCompareCommand(CLI::App& app, int& exit_status);
 void addDiagnoseCommand(CLI::App& app, int& exit_status);
 void addInspectCommand(CLI::App& app, int& exit_status);
 void addConvertCommand(CLI::App& app, int& exit_status);
+void addMergeCommand(CLI::App& app, int& exit_status);
 
 using wems::Table;
 

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     wems::identify::cli::addDiagnoseCommand(app, exit_status);
     wems::identify::cli::addInspectCommand(app, exit_status);
     wems::identify::cli::addConvertCommand(app, exit_status);
+    wems::identify::cli::addMergeCommand(app, exit_status);
     try {
         app.parse(argc, argv);
         return exit_status;

@@ -47,8 +47,15 @@ std::vector<Finding> findDefects(const Recording& recording, const SweptFrequenc
             if (finding.kind == FindingKind::saturated && clipped) continue;
             findings.push_back(std::move(finding));
         }
-        for (Finding& finding : findSlowDefects(channel, interval, noise, swept, recording.time, recording.first_row))
+        const bool limited = std::any_of(findings.begin(), findings.end(), [&](const Finding& finding) {
+            return finding.channel == channel.name &&
+                   (finding.kind == FindingKind::clipped || finding.kind == FindingKind::saturated);
+        });
+        for (Finding& finding : findSlowDefects(channel, interval, noise, swept, recording.time, recording.first_row)) {
+            // What is cut off on one side shifts the mean: one fault, one finding.
+            if (finding.kind == FindingKind::offset && limited) continue;
             findings.push_back(std::move(finding));
+        }
     }
     return findings;
 }

@@ -1,6 +1,7 @@
 #include "identify/inspect/plateaus.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -9,8 +10,10 @@ namespace wems::identify {
 namespace {
 
 constexpr std::size_t least_saturated = 6;  // samples
-constexpr double band = 3;                  // noise deviations on each side of the limit
-constexpr double entry_step = 6;            // noise deviations a sample
+constexpr double band = 7;                  // noise deviations below the extreme value
+constexpr double entry_step = 8;            // noise deviations a sample
+constexpr long least_piled = 30;            // samples in the band
+constexpr double pile_ratio = 8;            // over the bands beside it; 3 for a sine
 constexpr std::size_t least_runs = 2;       // at one limit: a single flat peak proves nothing
 constexpr std::size_t least_frozen = 4;     // samples
 constexpr double moving = 4;                // resolution steps a sample
@@ -33,7 +36,7 @@ std::vector<Run> findSaturated(const std::vector<double>& v, double noise, doubl
     double extreme = -std::numeric_limits<double>::infinity();
     for (const double value : v) extreme = std::max(extreme, sign * value);
     // The highest of many noisy values stands some 4 σ above the limit.
-    const double floor = extreme - (4 + band) * noise;
+    const double floor = extreme - band * noise;
     std::vector<Run> runs;
     for (std::size_t i = 0; i < v.size(); ++i) {
         if (sign * v[i] < floor) continue;
@@ -46,6 +49,29 @@ std::vector<Run> findSaturated(const std::vector<double>& v, double noise, doubl
         i = end;
     }
     return runs;
+}
+
+/// Samples in the band below the largest value if they pile up there; none otherwise, or where the largest value is
+/// near the middle of the channel (rest).
+std::vector<Run> findPile(const std::vector<double>& v, double noise, double sign) {
+    const double extreme =
+        sign * *(sign > 0 ? std::max_element(v.begin(), v.end()) : std::min_element(v.begin(), v.end()));
+    auto sorted = v;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    const double range = *std::max_element(v.begin(), v.end()) - *std::min_element(v.begin(), v.end());
+    if (extreme - sign * *middle < std::max(4 * band * noise, 0.2 * range)) return {};
+    std::array<long, 4> counts{};
+    std::vector<Run> pile;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        const double below = (extreme - sign * v[i]) / (band * noise);
+        if (below >= 4) continue;
+        ++counts.at(static_cast<std::size_t>(below));
+        if (below < 1) pile.push_back({i, i + 1});
+    }
+    const double beside = static_cast<double>(counts[1] + counts[2] + counts[3]) / 3;
+    if (counts[0] < least_piled || static_cast<double>(counts[0]) < pile_ratio * beside) pile.clear();
+    return pile;
 }
 
 /// Smallest change from sample to sample that is not zero.
@@ -94,8 +120,9 @@ std::vector<Finding> findPlateaus(const Channel& channel, const std::vector<doub
     };
     if (noise > 0) {
         for (const double sign : {1.0, -1.0}) {
-            const auto runs = findSaturated(v, noise, sign);
-            if (runs.size() < least_runs) continue;
+            auto runs = findSaturated(v, noise, sign);
+            if (runs.size() < least_runs) runs = findPile(v, noise, sign);
+            if (runs.empty()) continue;
             add(FindingKind::saturated, runs,
                 std::string("saturated: flat within its noise at its ") + (sign > 0 ? "largest" : "smallest") +
                     " values");

@@ -10,10 +10,11 @@ namespace wems::identify {
 
 /// Findings of kind saturated and drop_out in one channel.
 ///
-/// - Saturated: runs of six samples or more within ±3 noise deviations σ of the channel's largest or smallest value,
-///   entered or left by a step above 6 σ a sample. A smooth peak of curvature c (a sample squared) stays n samples in a
-///   band of 6 σ, n² = 48 σ/c, and leaves it by c n/2 = 12 σ · 2/n: above 6 σ only for n below 4. Exact plateaus are
-///   the business of checkChannels() (clipped).
+/// - Saturated: two runs or more of six samples or more within 7 noise deviations σ of the channel's largest (smallest)
+///   value, entered and left by steps above 8 σ a sample. A smooth peak of curvature c (a sample squared) stays n
+///   samples in such a band, n² = 56 σ/c, and leaves it by c n/2 = 28 σ/n: below 4.7 σ for n of 6 or more. Or: at least
+///   30 samples in that band and eight times as many as in each of the three bands beside it on average; a sine of
+///   constant amplitude has three times as many. Exact plateaus are the business of checkChannels() (clipped).
 /// - Drop-out: the channel repeats one value, not its largest or smallest, for four samples or more where it moves by
 ///   more than its resolution just before or after.
 ///
