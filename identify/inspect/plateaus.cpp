@@ -15,8 +15,11 @@ constexpr double entry_step = 8;            // noise deviations a sample
 constexpr long least_piled = 30;            // samples in the band
 constexpr double pile_ratio = 8;            // over the bands beside it; 3 for a sine
 constexpr std::size_t least_runs = 2;       // at one limit: a single flat peak proves nothing
-constexpr std::size_t least_frozen = 4;     // samples
-constexpr double moving = 4;                // resolution steps a sample
+constexpr int least_excursions = 5;         // that reach the band
+constexpr std::size_t least_frozen = 5;     // samples
+constexpr double moving = 4;                // resolution steps
+constexpr double jump_size = 6;             // noise deviations
+constexpr double held_share = 0.1;          // of all samples
 
 struct Run {
     std::size_t begin = 0, end = 0;
@@ -63,14 +66,23 @@ std::vector<Run> findPile(const std::vector<double>& v, double noise, double sig
     if (extreme - sign * *middle < std::max(4 * band * noise, 0.2 * range)) return {};
     std::array<long, 4> counts{};
     std::vector<Run> pile;
+    int excursions = 0;
+    bool away = true;
     for (std::size_t i = 0; i < v.size(); ++i) {
         const double below = (extreme - sign * v[i]) / (band * noise);
+        if (sign * v[i] < sign * *middle) away = true;
+        if (below < 1 && away) {
+            ++excursions;
+            away = false;
+        }
         if (below >= 4) continue;
         ++counts.at(static_cast<std::size_t>(below));
         if (below < 1) pile.push_back({i, i + 1});
     }
     const double beside = static_cast<double>(counts[1] + counts[2] + counts[3]) / 3;
-    if (counts[0] < least_piled || static_cast<double>(counts[0]) < pile_ratio * beside) pile.clear();
+    if (counts[0] < least_piled || excursions < least_excursions ||
+        static_cast<double>(counts[0]) < pile_ratio * beside)
+        pile.clear();
     return pile;
 }
 
@@ -95,7 +107,7 @@ std::vector<Run> findFrozen(const std::vector<double>& v, double noise) {
         while (end < v.size() && v[end] == v[i]) ++end;
         const bool extreme = v[i] == lowest || v[i] == highest;
         if (end - i >= least_frozen && !(extreme && v[i] != 0)) {
-            if (limit < 0) limit = std::max(moving * findResolution(v), noise);
+            if (limit < 0) limit = std::max(moving * findResolution(v), jump_size * noise);
             const bool jump = (i >= 1 && std::abs(v[i] - v[i - 1]) > limit) ||
                               (end < v.size() && std::abs(v[end] - v[end - 1]) > limit);
             const bool moves = (i >= 2 && std::abs(v[i - 1] - v[i - 2]) > 0.5 * limit) ||
@@ -129,7 +141,13 @@ std::vector<Finding> findPlateaus(const Channel& channel, const std::vector<doub
         }
     }
     const auto frozen = findFrozen(v, noise);
-    if (!frozen.empty()) add(FindingKind::drop_out, frozen, "drop-out: the value freezes while the signal moves,");
+    if (frozen.empty()) return findings;
+    std::size_t held = 0;
+    for (const Run& run : frozen) held += run.end - run.begin;
+    add(FindingKind::drop_out, frozen,
+        static_cast<double>(held) > held_share * static_cast<double>(v.size())
+            ? "holds each value for several samples, as if sampled more slowly than the others,"
+            : "drop-out: the value freezes while the signal moves,");
     return findings;
 }
 

@@ -158,7 +158,9 @@ std::vector<Finding> findSlowDefects(const Channel& channel, double interval, do
     const auto add = [&](FindingKind kind, const std::string& what) {
         findings.push_back({kind, channel.name, row, time.front(), channel.name + ": " + what});
     };
-    const SlowLevel level = findSlowLevel(signal, interval, swept.lowest);
+    // Without an excited band there is no telling what is slow.
+    SlowLevel level;
+    if (swept.lowest > 0) level = findSlowLevel(signal, interval, swept.lowest);
     if (std::abs(level.start) > std::max(significant * level.start_deviation, least_offset * rms))
         add(FindingKind::offset, "offset of " + formatLevel(level.start, channel) + " at the start");
     if (std::abs(level.change) > std::max(significant * level.change_deviation, least_drift * rms))
