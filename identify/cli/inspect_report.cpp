@@ -11,6 +11,7 @@
 namespace wems::identify::cli {
 namespace {
 
+constexpr int report_segment = 1024;  // samples: lines of a picture, not of an analysis
 constexpr double degrees = 180 / 3.14159265358979323846;
 
 std::string describeDrive(const SweptFrequency& swept) {
@@ -125,7 +126,7 @@ void addSpectra(const Inspection& inspection, const Recording& recording, HtmlRe
             const Spectrum spectrum =
                 calcSpectrum(Eigen::Map<const Eigen::VectorXd>(channel.values.data(),
                                                                static_cast<Eigen::Index>(channel.values.size())),
-                             recording.sampleInterval());
+                             recording.sampleInterval(), report_segment);
             Series series{channel.name, {}, {}};
             for (Eigen::Index k = 1; k < spectrum.frequency.size(); ++k) {
                 series.x.push_back(spectrum.frequency[k]);

@@ -1,4 +1,5 @@
 // The same run seen by the ideal layout and by a laboratory's own: the same device comes out, within its intervals.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,4 +1,5 @@
 // The rigid motion from sensors anywhere, turned, single axes among them: against the motion in closed form.
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
 
