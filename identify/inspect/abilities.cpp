@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/forward/relative_displacement.hpp"
 #include "identify/motion/channel_set.hpp"
 #include "identify/motion/rigid_fit.hpp"
 #include "models/error.hpp"
@@ -72,27 +73,25 @@ void describeComponents(const Recording& recording, std::vector<std::string>& li
     }
 }
 
-/// Stops that the difference of both ends' displacements passes; a part that was not recorded counts as still.
+/// Stops that the relative displacements of the rigid motions pass.
 void describeStops(const Recording& recording, const MountModel& model, std::vector<std::string>& lines) {
+    RelativeDisplacement relative;
+    try {
+        relative = calcRelativeDisplacement(recording, model);
+    } catch (const InputError&) {
+        return;  // the motions cannot be recovered, which stands above
+    }
     std::vector<std::string> reached, missed;
-    for (const Connection& connection : model.connections) {
+    for (std::size_t i = 0; i < model.connections.size(); ++i) {
         for (int axis = 0; axis < 3; ++axis) {
-            const Channel* mobile =
-                recording.find(formatChannelName({Part::mobile, connection.name, axis, Derivative::displacement}));
-            const Channel* fixed =
-                recording.find(formatChannelName({Part::fixed, connection.name, axis, Derivative::displacement}));
-            if (mobile == nullptr || (fixed == nullptr && !model.bracket.empty())) continue;
-            double low = 0, high = 0;
-            for (std::size_t k = 0; k < mobile->values.size(); ++k) {
-                const double q = mobile->values[k] - (fixed != nullptr ? fixed->values[k] : 0.0);
-                low = std::min(low, q);
-                high = std::max(high, q);
-            }
-            for (const Stop& stop : connection.axis.at(static_cast<std::size_t>(axis)).stops) {
+            const AxisLaw& law = model.connections[i].axis.at(static_cast<std::size_t>(axis));
+            const Eigen::RowVectorXd q =
+                relative.q.row(3 * static_cast<Eigen::Index>(i) + axis).array() + law.offset;  // from mid-gap
+            for (const Stop& stop : law.stops) {
                 const bool positive = stop.side == Side::positive;
                 const std::string name =
-                    connection.name + "." + static_cast<char>('x' + axis) + (positive ? ".+" : ".-");
-                ((positive ? high : -low) > stop.clearance ? reached : missed).push_back(name);
+                    model.connections[i].name + "." + static_cast<char>('x' + axis) + (positive ? ".+" : ".-");
+                ((positive ? q.maxCoeff() : -q.minCoeff()) > stop.clearance ? reached : missed).push_back(name);
             }
         }
     }

@@ -228,7 +228,8 @@ long uffInteger(std::string_view line, std::size_t from, std::size_t width, cons
     if (text.front() == '+') text.remove_prefix(1);
     long value = 0;
     const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (result.ec != std::errc() || result.ptr != text.data() + text.size() || std::labs(value) > 1000000000000)
+    constexpr long largest = 1000000000000;
+    if (result.ec != std::errc() || result.ptr != text.data() + text.size() || value > largest || value < -largest)
         throw InputError({file, line_number, {}}, "'" + std::string(text) + "' is not a whole number");
     return value;
 }

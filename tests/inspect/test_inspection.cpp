@@ -66,12 +66,29 @@ TEST_CASE("What can be identified depends on the channels and the model") {
     const MountModel model = makeModel();
     const Inspection with = inspect(run, &model);
     CHECK(anyContains(with.abilities, "which leave open its translation y"));
-    CHECK(anyContains(with.abilities, "stops reached with the model's clearances: 1.z.+"));
-    CHECK(anyContains(with.abilities, "stops not reached, so that nothing can be said of them: 1.z.-"));
     const bool missing = std::any_of(with.findings.begin(), with.findings.end(), [](const Finding& finding) {
         return finding.kind == FindingKind::missing_connection && finding.channel == "mobile.2";
     });
     CHECK(missing);
+}
+
+TEST_CASE("Stops are reached or not") {
+    const MountModel model = makeModel();
+    Recording run;
+    for (int k = 0; k < 3000; ++k) run.time.push_back(k / 1000.0);
+    for (const char* connection : {"1", "2", "3"}) {
+        for (const char* axis : {".x", ".y", ".z"}) {
+            Channel channel{std::string("mobile.") + connection + axis, "m", {}, 0};
+            for (const double t : run.time)
+                channel.values.push_back(axis[1] == 'z' ? 2e-4 * std::sin(2 * 3.14159265358979 * 20 * t) : 0.0);
+            run.channels.push_back(std::move(channel));
+        }
+    }
+    const Inspection inspection = inspect(run, &model);
+    CHECK(
+        anyContains(inspection.abilities, "9 displacement channels, which determine all six motions with 3 to spare"));
+    CHECK(anyContains(inspection.abilities, "stops reached with the model's clearances: 1.z.+"));
+    CHECK(anyContains(inspection.abilities, "stops not reached, so that nothing can be said of them: 1.z.-"));
 }
 
 TEST_CASE("A recording of a few rows is shown without a judgement of its signals") {
