@@ -28,10 +28,10 @@ void run(const Options& options) {
         const std::string file = options.maps.empty() ? "" : options.maps[options.maps.size() == 1 ? 0 : i];
         const std::optional<ColumnMap> map = readOptionalMap(file);
         recordings.push_back(readRecording(options.inputs[i], map ? &*map : nullptr));
-        for (const auto& warning : recordings.back().warnings)
-            std::cerr << "identify: " << recordings.back().file << ": " << warning << "\n";
     }
     const Recording merged = merge(recordings, options.merge);
+    for (const Recording& recording : recordings)
+        for (const auto& warning : recording.warnings) std::cerr << recording.file << ": " << warning << "\n";
     for (const auto& note : merged.warnings) std::cout << note << "\n";
     for (const auto& note : writeRecording(merged, options.output)) std::cerr << "identify: " << note << "\n";
     std::cout << options.output << ": " << merged.channels.size() << " channels, " << merged.sampleCount()

@@ -25,12 +25,10 @@ std::string_view takeRow(std::string_view& rest) {
 void rejectBinary(std::string_view text, const std::string& file) {
     const auto startsWith = [&](std::string_view magic) { return text.substr(0, magic.size()) == magic; };
     const char* problem = nullptr;
-    if (startsWith("\xFF\xFE") || startsWith("\xFE\xFF")) {
-        problem = "the text is UTF-16; save it as UTF-8";
-    } else if (startsWith("\x1F\x8B") ||
-               startsWith("\xFD"
-                          "7zXZ") ||
-               startsWith("PK\x03\x04") || startsWith("BZh")) {
+    if (startsWith("\x1F\x8B") ||
+        startsWith("\xFD"
+                   "7zXZ") ||
+        startsWith("PK\x03\x04") || startsWith("BZh")) {
         problem = "the file is compressed or a spreadsheet's own format; unpack or export it as CSV";
     } else {
         const auto head = text.substr(0, 4096);

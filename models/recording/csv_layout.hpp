@@ -29,7 +29,7 @@ struct CsvLayout {
 };
 
 /// @param map shape given by the user, may be null
-/// @throws InputError: binary or UTF-16 content, no header row, no data rows, a quote that is not closed.
+/// @throws InputError: binary content, no header row, no data rows, a quote that is not closed.
 CsvLayout readCsvLayout(std::string_view text, const std::string& file, const ColumnMap* map);
 
 /// Fields of one row without line end; quotes are taken off, a doubled quote inside becomes one. False if a quote is

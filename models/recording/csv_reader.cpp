@@ -7,6 +7,7 @@
 #include "models/recording/csv_body.hpp"
 #include "models/recording/csv_layout.hpp"
 #include "models/recording/recording_table.hpp"
+#include "models/recording/utf8.hpp"
 
 namespace wems {
 namespace {
@@ -49,6 +50,8 @@ void takeColumns(std::vector<CsvColumn>& columns, Recording& recording) {
 }  // namespace
 
 Recording parseRecording(std::string_view text, const std::string& file, const ColumnMap* map) {
+    // Spreadsheets' "Unicode text".
+    if (const std::string decoded = decodeUtf16(text); !decoded.empty()) return parseRecording(decoded, file, map);
     CsvLayout layout = readCsvLayout(text, file, map);
     Recording recording;
     recording.file = file;

@@ -3,8 +3,8 @@
 ///
 /// Free text and lines `# key: value` (optional), one header row, units below it if the header has none, one row for
 /// each sample. A column is `name [unit]`; the time column is `time`. Comma, semicolon or tab; decimal point or comma;
-/// UTF-8 with or without byte-order mark, LF or CRLF; quoted fields; separators at the end of rows and blank rows at
-/// the end of the file do not matter.
+/// UTF-8 with or without byte-order mark, UTF-16 with one, LF or CRLF; quoted fields; separators at the end of rows and
+/// blank rows at the end of the file do not matter.
 #pragma once
 
 #include <string>

@@ -66,6 +66,15 @@ void readLabels(std::string_view line, const std::string& type, RecordingTable& 
                          "time and other labels, separated by tabs");
 }
 
+/// Our own writer says that everything is SI.
+void stateUnits(RecordingTable& table) {
+    for (OfferedColumn& column : table.columns) {
+        const auto channel = parseChannelName(column.text);
+        if (channel) column.unit = siUnit(findQuantity(*channel));
+        if (column.text == "time") column.unit = siUnit(Quantity::time);
+    }
+}
+
 }  // namespace
 
 bool isTrc(std::string_view text) {
@@ -127,6 +136,7 @@ RecordingTable readStorage(std::string_view text, const std::string& file) {
     while (!lines.atEnd() && trimLine(labels).empty()) labels = lines.take();
     table.header_row = lines.line();
     readLabels(labels, type, table);
+    if (table.metadata["units"] == "SI") stateUnits(table);
     table.first_row = lines.line() + 1;
     table.values = readNumberRows(lines, table.columns.size(), file);
     return table;

@@ -62,3 +62,23 @@ TEST_CASE("convert and back, and merge of two systems") {
     CHECK(apart.exit_status == 2);
     CHECK_THAT(apart.errors, Contains("no time in common"));
 }
+
+#ifdef SIMULATE_PROGRAM
+TEST_CASE("simulate writes for OpenSim, and replays what it wrote") {
+    const TemporaryDirectory folder;
+    const std::string model = WEMS_SOURCE_DIR "/models/shipped/single_axis.toml";
+    const auto first =
+        runProgram(SIMULATE_PROGRAM, {model, "--dwell", "10:0.5", "--base-acceleration", "z=1", "-q", "-o", "run.sto"},
+                   folder.path());
+    CAPTURE(first.output, first.errors);
+    CHECK(first.exit_status == 0);
+    const auto again =
+        runProgram(SIMULATE_PROGRAM, {model, "--from-csv", "run.sto", "-q", "-o", "run.csv"}, folder.path());
+    CAPTURE(again.output, again.errors);
+    CHECK(again.exit_status == 0);
+    const auto compared =
+        runProgram(IDENTIFY_PROGRAM, {"compare", "run.sto", "run.csv", "--limit", "0.001"}, folder.path());
+    CAPTURE(compared.output, compared.errors);
+    CHECK(compared.exit_status == 0);
+}
+#endif

@@ -62,6 +62,7 @@ TEST_CASE("A table for OpenSim reads back channel by channel") {
     const Recording back = readRecording(file);
     CHECK(back.format == "OpenSim .sto");
     CHECK(back.time == run.time);
+    CHECK(back.warnings.empty());
     CHECK(back.metadata.at("level") == "200 N (low)");
     for (const auto& channel : run.channels) checkSame(back, run, channel.name, 0);
 }
