@@ -6,6 +6,7 @@
 #include "models/error.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/text_file.hpp"
+#include "models/sensor_place_toml.hpp"
 #include "models/toml_table.hpp"
 
 namespace wems {
@@ -137,6 +138,7 @@ void readRoot(TomlTable& root, const std::string& file, MountModel& model) {
     root.readTable("bracket", [&](TomlTable& bracket) { readBracket(bracket, file, model); });
     root.readTable("load", [&model](TomlTable& load) { model.load = readLoad(load); });
     root.readTables("sensor", [&model](TomlTable& sensor) { model.sensors.push_back(readSensor(sensor)); });
+    readSensorTables(root, model.places);
     root.rejectUnknownKeys();
 }
 

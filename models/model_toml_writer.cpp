@@ -146,6 +146,21 @@ void writeLoad(const LoadCorrection& load, Writer& out) {
     out.key("gain_over_frequency", table + "]");
 }
 
+void writePlace(const SensorPlace& place, Writer& out) {
+    out.line(place.accelerometer ? "\n[[accelerometer]]" : "\n[[marker]]");
+    out.key("name", quoted(place.name));
+    out.key("part", place.part == Part::mobile ? "\"mobile\"" : "\"fixed\"");
+    out.key("position", vector(place.position));
+    out.optionalVector("rotation", place.rotation);
+    out.optionalNumber("noise", place.noise);
+    std::string channels;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (place.columns.at(k).empty()) continue;
+        channels += (channels.empty() ? "" : ", ") + std::string(1, "xyz"[k]) + " = " + quoted(place.columns.at(k));
+    }
+    if (!channels.empty()) out.key("channels", "{ " + channels + " }");
+}
+
 }  // namespace
 
 std::string formatMountModel(const MountModel& model, const std::string& bracket_file) {
@@ -163,6 +178,7 @@ std::string formatMountModel(const MountModel& model, const std::string& bracket
         out.optionalNumber("delay", sensor.delay);
         out.optionalVector("rotation", sensor.rotation);
     }
+    for (const SensorPlace& place : model.places) writePlace(place, out);
     return out.text();
 }
 

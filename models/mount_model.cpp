@@ -138,7 +138,28 @@ void checkSensors(const MountModel& model) {
     }
 }
 
+void checkPlaces(const MountModel& model) {
+    for (const SensorPlace& place : model.places) {
+        const std::string key = std::string(place.accelerometer ? "accelerometer" : "marker") + " " + place.name;
+        requireFinite(key, place.position);
+        requireFinite(key, place.rotation);
+        requireFinite(key, place.noise);
+        const bool taken = std::any_of(model.connections.begin(), model.connections.end(),
+                                       [&](const Connection& connection) { return connection.name == place.name; });
+        if (taken) fail(key, "is a connection's name", "a name of its own");
+    }
+}
+
 }  // namespace
+
+int MountModel::placeIndex(const ChannelName& channel) const {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        if (places[i].name == channel.connection && places[i].part == channel.part &&
+            places[i].measures(channel.derivative))
+            return static_cast<int>(i);
+    }
+    return -1;
+}
 
 int MountModel::connectionIndex(const std::string& connection_name) const {
     std::string known;
@@ -161,6 +182,7 @@ void validate(const MountModel& model) {
     }
     if (model.load) checkLoad(*model.load);
     checkSensors(model);
+    checkPlaces(model);
 }
 
 }  // namespace wems

@@ -13,6 +13,7 @@
 
 #include "models/axis_law.hpp"
 #include "models/bracket.hpp"
+#include "models/sensor_place.hpp"
 
 namespace wems {
 
@@ -56,9 +57,12 @@ struct MountModel {
     std::vector<int> replaced_modes;  ///< from 1: rows that [[bracket.mode]] replaced
     std::optional<LoadCorrection> load;
     std::vector<SensorFault> sensors;
+    std::vector<SensorPlace> places;  ///< sensors that are not at a connection along the mount axes
 
     /// Index of a connection by name; throws InputError naming those that exist.
     int connectionIndex(const std::string& connection_name) const;
+    /// Index among `places` of the sensor that a channel names; -1 if it is none of them.
+    int placeIndex(const ChannelName& channel) const;
 };
 
 /// Throws InputError (without a file) naming the key, the value and the range, if the model cannot be simulated.

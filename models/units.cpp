@@ -1,5 +1,6 @@
 #include "models/units.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace wems {
@@ -17,8 +18,9 @@ struct Unit {
     bool listed;  ///< another spelling of a listed unit is read but not advertised
 };
 
-constexpr std::array<Unit, 36> kUnits = {{
+constexpr std::array<Unit, 41> kUnits = {{
     {Quantity::time, "s", 1, true},
+    {Quantity::time, "sec", 1, false},
     {Quantity::time, "ms", 1e-3, true},
     {Quantity::time, "us", 1e-6, true},
     {Quantity::time, "\u00B5s", 1e-6, false},
@@ -40,11 +42,15 @@ constexpr std::array<Unit, 36> kUnits = {{
     {Quantity::acceleration, "m/s2", 1, false},
     {Quantity::acceleration, "m/s\u00B2", 1, false},
     {Quantity::acceleration, "m/s\xB2", 1, false},  // Latin-1
+    {Quantity::acceleration, "m/s/s", 1, false},
+    {Quantity::acceleration, "m/s**2", 1, false},
+    {Quantity::acceleration, "m/sec^2", 1, false},
     {Quantity::acceleration, "mm/s^2", 1e-3, true},
     {Quantity::acceleration, "mm/s2", 1e-3, false},
     {Quantity::acceleration, "mm/s\u00B2", 1e-3, false},
     {Quantity::acceleration, "in/s^2", kInch, false},
     {Quantity::acceleration, "g", kStandardGravity, true},
+    {Quantity::acceleration, "gn", kStandardGravity, false},
     {Quantity::force, "N", 1, true},
     {Quantity::force, "mN", 1e-3, false},
     {Quantity::force, "kN", 1e3, true},
@@ -85,6 +91,10 @@ double findUnitFactor(std::string_view unit, Quantity quantity, const InputLocat
     }
     throw InputError(location, "'" + std::string(unit) + "' is not a unit of " + describe(quantity),
                      listUnits(quantity));
+}
+
+bool isUnit(std::string_view unit) {
+    return std::any_of(kUnits.begin(), kUnits.end(), [&](const Unit& known) { return known.name == unit; });
 }
 
 std::string listUnits(Quantity quantity) {

@@ -17,6 +17,9 @@ enum class Quantity { time, length, velocity, acceleration, force, none };
 /// @throws InputError at `location` listing the units accepted for `quantity`.
 double findUnitFactor(std::string_view unit, Quantity quantity, const InputLocation& location);
 
+/// True if `unit` is a unit of any quantity that is read.
+bool isUnit(std::string_view unit);
+
 /// The units accepted for `quantity`, as they stand in messages: `m, mm, um, in`.
 std::string listUnits(Quantity quantity);
 

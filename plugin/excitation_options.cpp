@@ -4,7 +4,7 @@
 
 #include "models/error.hpp"
 #include "models/format_number.hpp"
-#include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "plugin/simulate_options.hpp"
 
 namespace wems::plugin {

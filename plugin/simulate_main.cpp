@@ -1,4 +1,4 @@
-// The executable `simulate`: a mount model under a load or base motion, recorded as CSV.
+// The executable `simulate`: a mount model under a load or base motion, recorded as CSV or for OpenSim.
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -6,7 +6,7 @@
 #include "models/atomic_file.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
-#include "models/recording/csv_writer.hpp"
+#include "models/recording/recording_writer.hpp"
 #include "plugin/progress.hpp"
 #include "plugin/simulate_options.hpp"
 #include "plugin/simulation.hpp"
@@ -81,7 +81,12 @@ void run(const SimulateOptions& options) {
                                  {"seed", std::to_string(options.seed)},
                                  {"accuracy", formatNumber(options.accuracy)}};
     const RunDescription description{model, *excitation.drive, result, excitation.time_offset};
-    if (!options.output_file.empty()) writeRecording(result.recording, options.output_file);
+    if (!options.output_file.empty()) {
+        WriteOptions write;
+        for (const Connection& connection : model.connections) write.rest[connection.name] = connection.position;
+        for (const std::string& note : writeRecording(result.recording, options.output_file, write))
+            std::cerr << "simulate: note: " << note << "\n";
+    }
     if (!options.report_file.empty()) writeHtmlSummary(description, options.report_file);
     if (options.json_file == "-") {
         std::cout << makeSummaryJson(description).dump(2) << "\n";

@@ -135,17 +135,18 @@ void checkOptions(const SimulateOptions& options) {
 std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* argv, int& exit_status) {
     SimulateOptions options;
     std::string force, base, noise, channels;
-    CLI::App app{"Simulate equipment on elastomer mounts with stops (Simbody) and record it as CSV."};
+    CLI::App app{"Simulate equipment on elastomer mounts with stops (Simbody) and record it."};
     app.name("simulate");
     app.footer(footer);
     app.add_option("MODEL", options.model_file, "mount model, TOML")->required();
-    app.add_option("-o,--output", options.output_file, "recording to write, CSV");
+    app.add_option("-o,--output", options.output_file, "recording to write: .csv, or .trc, .sto, .mot for OpenSim");
     app.add_option("--sweep", options.sweep, "sine sweep f0:f1 in Hz, downwards if f1 < f0");
     app.add_option("--rate", options.octaves_per_minute, "logarithmic sweep rate, octaves per minute (default 4)");
     app.add_option("--linear-rate", options.hertz_per_second, "linear sweep rate, Hz per second");
     app.add_option("--dwell", options.dwell, "sine f:duration in Hz and s");
     app.add_option("--random", options.random, "band-limited noise f0:f1:duration in Hz and s; levels are RMS");
-    app.add_option("--from-csv", options.replay_file, "replay the load or base motion of this recording");
+    app.add_option("--from-csv", options.replay_file,
+                   "replay the load or base motion of this recording (CSV, MATLAB, UFF 58, .sto)");
     app.add_option("--columns", options.column_map, "TOML that maps that recording's column names to channel names");
     app.add_option("--force", force, "force at the bracket's load point, N, such as z=200 or x=100,y=100");
     app.add_option("--base-acceleration", base, "acceleration of the base, m/s^2, such as z=1.0");

@@ -16,8 +16,11 @@ struct CommonOptions {
     std::string json_file;    ///< --json FILE; `-` writes to standard output in place of the table
     std::string report_file;  ///< --report FILE.html
     std::string column_map;   ///< --columns map.toml
+    std::string geometry;     ///< --geometry layout.toml
 };
 void addCommonOptions(CLI::App& command, CommonOptions& options);
+/// --geometry, of commands that know a model
+void addGeometryOption(CLI::App& command, CommonOptions& options);
 
 /// One function for each command: adds the subcommand, its options and an example, and sets its callback. The callback
 /// throws InputError on bad input and sets `exit_status` to 1 if the question was answered but a requested limit
@@ -27,6 +30,9 @@ void addFitCommand(CLI::App& app, int& exit_status);
 void addSurfaceCommand(CLI::App& app, int& exit_status);
 void addCompareCommand(CLI::App& app, int& exit_status);
 void addDiagnoseCommand(CLI::App& app, int& exit_status);
+void addInspectCommand(CLI::App& app, int& exit_status);
+void addConvertCommand(CLI::App& app, int& exit_status);
+void addMergeCommand(CLI::App& app, int& exit_status);
 
 using wems::Table;
 

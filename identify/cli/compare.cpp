@@ -7,10 +7,11 @@
 #include <optional>
 
 #include "identify/cli/command.hpp"
+#include "identify/cli/recordings.hpp"
 #include "models/error.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/column_map.hpp"
-#include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
@@ -121,14 +122,16 @@ void writeReport(const Comparison& comparison, const CompareOptions& options) {
 }
 
 Comparison runComparison(const CompareOptions& options) {
-    std::optional<ColumnMap> map;
-    if (!options.common.column_map.empty()) map = readColumnMap(options.common.column_map);
-    const Recording measured = readRecording(options.measured, map ? &*map : nullptr);
+    std::optional<MountModel> model;
+    if (!options.model.empty()) model = readDeviceModel(options.model, options.common.geometry);
+    const std::optional<ColumnMap> map = readOptionalMap(options.common.column_map);
+    const std::optional<ColumnMap> laboratory = model ? readDeviceMap(options.common.column_map, *model) : map;
+    const Recording measured = readRecording(options.measured, laboratory ? &*laboratory : nullptr);
     const Recording simulated = readRecording(options.simulated, map ? &*map : nullptr);
     for (const auto* recording : {&measured, &simulated})
         for (const auto& warning : recording->warnings)
             std::cerr << "identify: " << recording->file << ": " << warning << "\n";
-    if (options.model.empty()) {
+    if (!model) {
         Comparison comparison =
             compare(calcRelativeDisplacement(measured), calcRelativeDisplacement(simulated), nullptr);
         comparison.notes.emplace_back(
@@ -136,8 +139,7 @@ Comparison runComparison(const CompareOptions& options) {
             "of the fixed part as they turn");
         return comparison;
     }
-    const MountModel model = readMountModel(options.model);
-    return compare(calcRelativeDisplacement(measured, model), calcRelativeDisplacement(simulated, model), &model);
+    return compare(calcRelativeDisplacement(measured, *model), calcRelativeDisplacement(simulated, *model), &*model);
 }
 
 }  // namespace
@@ -146,8 +148,10 @@ void addCompareCommand(CLI::App& app, int& exit_status) {
     auto* command = app.add_subcommand("compare", "Errors of a simulated recording against a measured one");
     auto options = std::make_shared<CompareOptions>();
     addCommonOptions(*command, options->common);
-    command->add_option("measured", options->measured, "CSV of the test")->required();
-    command->add_option("simulated", options->simulated, "CSV of the simulation")->required();
+    addGeometryOption(*command, options->common);
+    command->add_option("measured", options->measured, "recording of the test (CSV, MATLAB, UFF 58, OpenSim)")
+        ->required();
+    command->add_option("simulated", options->simulated, "recording of the simulation")->required();
     command->add_option("--model", options->model,
                         "mount model: exact relative displacements, and errors free and in contact apart");
     command->add_option("--limit", options->limit, "exit status 1 if the error exceeds this fraction")

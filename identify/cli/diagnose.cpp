@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 
+#include "identify/cli/campaign.hpp"
 #include "identify/cli/command.hpp"
 #include "identify/cli/diagnosis_output.hpp"
 #include "identify/cli/recordings.hpp"
@@ -16,14 +17,15 @@ namespace {
 
 struct DiagnoseArguments {
     CommonOptions common;
-    std::vector<std::string> runs, validation;
-    std::string model, output;
+    RunSelection runs;
+    std::string output;
 };
 
-void runDiagnose(const DiagnoseArguments& arguments) {
-    const MountModel model = readMountModel(arguments.model);
-    const auto identification = readDeviceRecordings(arguments.runs, arguments.common.column_map, model);
-    const auto validation = readDeviceRecordings(arguments.validation, arguments.common.column_map, model);
+void runDiagnose(DiagnoseArguments arguments) {
+    resolveRuns(arguments.runs, arguments.common);
+    const MountModel model = readDeviceModel(arguments.runs.model, arguments.common.geometry);
+    const auto identification = readDeviceRecordings(arguments.runs.recordings, arguments.common.column_map, model);
+    const auto validation = readDeviceRecordings(arguments.runs.validation, arguments.common.column_map, model);
     DiagnosisOptions options;
     const bool terminal = isatty(STDERR_FILENO) != 0;
     if (terminal) options.progress = [](const std::string& text) { std::cerr << "\r\033[K" << text << std::flush; };
@@ -45,11 +47,14 @@ void runDiagnose(const DiagnoseArguments& arguments) {
 void addDiagnoseCommand(CLI::App& app, int&) {
     auto arguments = std::make_shared<DiagnoseArguments>();
     auto* command = app.add_subcommand("diagnose", "Find what the model lacks or has wrong, and extend it");
-    command->add_option("runs", arguments->runs, "recordings to identify from (CSV)")->required();
-    command->add_option("--model", arguments->model, "mount model (TOML)")->required();
-    command->add_option("--validate", arguments->validation, "recordings that judge (CSV); never fitted to");
+    command->add_option("runs", arguments->runs.recordings,
+                        "recordings to identify from (CSV, MATLAB, UFF 58, OpenSim)");
+    command->add_option("--test", arguments->runs.test, "TOML that lists the runs of a test and their roles");
+    command->add_option("--model", arguments->runs.model, "mount model (TOML)");
+    command->add_option("--validate", arguments->runs.validation, "recordings that judge; never fitted to");
     command->add_option("-o,--output", arguments->output, "write the extended model to FILE (TOML)");
     addCommonOptions(*command, arguments->common);
+    addGeometryOption(*command, arguments->common);
     command->footer(
         "Example:\n  identify diagnose run1.csv run2.csv --model mount.toml --validate run3.csv -o extended.toml");
     command->callback([arguments] { runDiagnose(*arguments); });

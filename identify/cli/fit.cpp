@@ -6,12 +6,13 @@
 #include <iostream>
 #include <memory>
 
+#include "identify/cli/campaign.hpp"
 #include "identify/cli/command.hpp"
 #include "identify/cli/component_fit.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
 #include "models/error.hpp"
-#include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
@@ -20,8 +21,9 @@ namespace {
 struct FitCommandOptions {
     CommonOptions common;
     FitOptions fit;
-    std::vector<std::string> recordings;
-    std::string model, output, use = "all";
+    RunSelection runs;
+    std::optional<TestCampaign> campaign;
+    std::string output, use = "all";
     ComponentOptions component;
     std::string axis;
     double mass = 0, from = 0, to = 0;
@@ -155,18 +157,27 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, std::v
     const FitResult fit = fitMount(runs, model, options.fit);
     notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
     timing.insert(timing.end(), fit.timing.begin(), fit.timing.end());
+    const auto validation =
+        validateModel(fit.model, readDeviceRecordings(options.runs.validation, options.common.column_map, fit.model));
+    watch.lap("validation");
     if (!options.output.empty()) writeMountModel(fit.model, options.output);
     if (options.common.json_file != "-") {
         std::cout << makeParameterTable(fit).format();
         const Table open = makeOpenTable(fit);
         if (!open.rows().empty()) std::cout << "\n" << open.format();
         std::cout << "\n" << describeResidual(fit) << "\n";
+        for (const ValidationError& run : validation)
+            std::cout << "validation: " << options.campaign->describe(run.file) << ": error "
+                      << formatNumber(100 * run.error, 3) << " % of the measured relative displacement\n";
         for (const auto& note : notes) std::cout << "note: " << note << "\n";
         if (options.timing)
             for (const auto& [step, seconds] : timing)
                 std::cout << "time: " << step << " " << formatNumber(seconds, 3) << " s\n";
     }
-    writeJson(makeJson(fit, notes, options.timing ? timing : Timing{}), options.common);
+    nlohmann::json result = makeJson(fit, notes, options.timing ? timing : Timing{});
+    for (const ValidationError& run : validation)
+        result["validation"].push_back({{"run", run.file}, {"error", run.error}});
+    writeJson(result, options.common);
     if (!options.common.report_file.empty()) writeReport(fit, runs, notes, options.common.report_file);
 }
 
@@ -196,10 +207,11 @@ void fitElement(const FitCommandOptions& options, const MountModel& model, const
 void run(FitCommandOptions options, const CLI::App& command) {
     Timing timing;
     Stopwatch watch(timing);
-    const MountModel model = readMountModel(options.model);
-    const std::optional<ColumnMap> map = readOptionalMap(options.common.column_map);
+    options.campaign = resolveRuns(options.runs, options.common);
+    const MountModel model = readDeviceModel(options.runs.model, options.common.geometry);
+    const std::optional<ColumnMap> map = readDeviceMap(options.common.column_map, model);
     std::vector<Recording> recordings;
-    for (const auto& file : options.recordings) {
+    for (const auto& file : options.runs.recordings) {
         recordings.push_back(readRecording(file, map ? &*map : nullptr));
         if (isComponentTest(recordings.back()) != isComponentTest(recordings.front()))
             throw InputError({file, 0, ""}, "a component test and a recording of a whole device",
@@ -228,8 +240,11 @@ void run(FitCommandOptions options, const CLI::App& command) {
 void addFitCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("fit", "Stiffness, clearance, stops and damping, each with its 95 % interval");
     const auto options = std::make_shared<FitCommandOptions>();
-    command->add_option("recordings", options->recordings, "recordings of one device or element (CSV)")->required();
-    command->add_option("--model", options->model, "mount model to start from (TOML)")->required();
+    command->add_option("recordings", options->runs.recordings,
+                        "recordings of one device or element (CSV, MATLAB, UFF 58, OpenSim)");
+    command->add_option("--test", options->runs.test,
+                        "TOML that lists the runs of a test; those of role validate judge the fitted model");
+    command->add_option("--model", options->runs.model, "mount model to start from (TOML)");
     command->add_option("-o,--output", options->output, "write the model with the identified values to FILE (TOML)");
     command->add_option("--free", options->fit.free_body,
                         "also identify body.center_of_gravity, body.inertia, or one component of them");
@@ -238,6 +253,7 @@ void addFitCommand(CLI::App& app, int& /*exit_status*/) {
         ->check(CLI::IsMember({"all", "displacements", "accelerations"}));
     command->add_flag("--timing", options->timing, "show how long each step took");
     addCommonOptions(*command, options->common);
+    addGeometryOption(*command, options->common);
     const std::string element = "Component test (one element, force measured or a known mass)";
     command->add_option("--connection", options->component.connection, "absent: the first one recorded")
         ->group(element);
@@ -252,6 +268,7 @@ void addFitCommand(CLI::App& app, int& /*exit_status*/) {
     command->footer(
         "Examples:\n"
         "  identify fit axial.csv oblique.csv --model believed.toml -o fitted.toml --json fit.json\n"
+        "  identify fit --test campaign.toml -o fitted.toml\n"
         "  identify fit drop.csv --columns map.toml --model element.toml --mass 0.639 --from 0.40 --to 0.55");
     command->callback([options, command] { run(*options, *command); });
 }

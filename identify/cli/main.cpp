@@ -16,6 +16,9 @@ int main(int argc, char** argv) {
     wems::identify::cli::addSurfaceCommand(app, exit_status);
     wems::identify::cli::addCompareCommand(app, exit_status);
     wems::identify::cli::addDiagnoseCommand(app, exit_status);
+    wems::identify::cli::addInspectCommand(app, exit_status);
+    wems::identify::cli::addConvertCommand(app, exit_status);
+    wems::identify::cli::addMergeCommand(app, exit_status);
     try {
         app.parse(argc, argv);
         return exit_status;

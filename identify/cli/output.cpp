@@ -13,6 +13,11 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
     command.add_option("--columns", options.column_map, "TOML that maps your column names to channel names");
 }
 
+void addGeometryOption(CLI::App& command, CommonOptions& options) {
+    command.add_option("--geometry", options.geometry,
+                       "TOML with [[marker]] and [[accelerometer]]: sensors that are not at the connections");
+}
+
 std::string formatNumber(double value, int digits) {
     if (!std::isfinite(value)) return "-";
     char buffer[40];

@@ -15,6 +15,12 @@ namespace wems::identify::cli {
 /// The column map of `--columns`; nothing if `file` is empty.
 std::optional<ColumnMap> readOptionalMap(const std::string& file);
 
+/// The same with the columns that the model's sensor tables name.
+std::optional<ColumnMap> readDeviceMap(const std::string& file, const MountModel& model);
+
+/// The model of `--model`, and the sensors of `--geometry` unless `geometry` is empty.
+MountModel readDeviceModel(const std::string& file, const std::string& geometry);
+
 /// Connections that are missing, unknown or exchanged join the recording's warnings.
 void checkConnections(Recording& recording, const MountModel& model);
 

@@ -81,7 +81,7 @@ std::vector<std::string> makeSentences(const Rigidity& rigidity, const Recording
 }
 
 void run(const Options& options, bool limited, int& exit_status) {
-    const MountModel model = readMountModel(options.model);
+    const MountModel model = readDeviceModel(options.model, options.common.geometry);
     const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
     const Rigidity rigidity = checkRigidity(recording, model);
     const Table table = makeTable(rigidity);
@@ -104,12 +104,13 @@ void run(const Options& options, bool limited, int& exit_status) {
 void addRigidityCommand(CLI::App& app, int& exit_status) {
     CLI::App* command = app.add_subcommand("rigidity", "check that each part of a recording moves as a rigid body");
     const auto options = std::make_shared<Options>();
-    command->add_option("recording", options->recording, "recording (CSV)")->required();
+    command->add_option("recording", options->recording, "recording (CSV, MATLAB, UFF 58, OpenSim)")->required();
     command->add_option("--model", options->model, "mount model (TOML)")->required();
     CLI::Option* limit =
         command->add_option("--limit", options->limit, "exit status 1 if a check exceeds this, in percent");
     limit->check(CLI::NonNegativeNumber);
     addCommonOptions(*command, options->common);
+    addGeometryOption(*command, options->common);
     command->footer("Example:\n  identify rigidity run.csv --model smallsat.toml --limit 0.5 --json rigidity.json");
     command->callback([options, limit, &exit_status] { run(*options, limit->count() > 0, exit_status); });
 }

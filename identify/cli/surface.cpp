@@ -12,7 +12,7 @@
 #include "identify/component/surface_kind.hpp"
 #include "models/error.hpp"
 #include "models/recording/column_map.hpp"
-#include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 
 namespace wems::identify::cli {
 namespace {
@@ -163,7 +163,8 @@ void addSurfaceCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("surface", "Restoring force surface of a single connection");
     auto options = std::make_shared<SurfaceOptions>();
     addCommonOptions(*command, options->common);
-    command->add_option("recording", options->recording, "CSV of the test")->required();
+    command->add_option("recording", options->recording, "recording of the test (CSV, MATLAB, UFF 58, OpenSim)")
+        ->required();
     command->add_option("--connection", options->connection, "connection; absent: the first one recorded");
     command->add_option("--axis", options->axis, "x, y or z; absent: the first one recorded")
         ->check(CLI::IsMember({"x", "y", "z"}));

@@ -57,7 +57,7 @@ Moments calcMoments(const std::vector<Recording>& recordings, const MountModel& 
             Eigen::MatrixXd J(set.count(), 6);
             for (int c = 0; c < set.count(); ++c) {
                 const auto& channel = set.channels[static_cast<std::size_t>(c)];
-                const Eigen::Vector3d axis = Eigen::Vector3d::Unit(channel.axis);
+                const Eigen::Vector3d& axis = channel.direction;
                 J.row(c) << axis.transpose(), channel.position.cross(axis).transpose();
             }
             result.project = Eigen::MatrixXd::Identity(set.count(), set.count()) -

@@ -51,19 +51,6 @@ Eigen::Matrix3d integrateTransfers(const RunMotion& motion, const PartMotion& pa
     return products * step / nyquist;
 }
 
-/// Covariance of the pose (translation, rotation) for unit noise of each channel.
-Matrix6d calcPoseCovariance(const MountModel& model) {
-    Matrix6d information = Matrix6d::Zero();
-    for (const auto& connection : model.connections) {
-        Eigen::Matrix<double, 3, 6> station;
-        station << Matrix3d::Identity(), -crossMatrix(connection.position);
-        information += station.transpose() * station;
-    }
-    const Eigen::LDLT<Matrix6d> solver(information);
-    if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 0)) return Matrix6d::Zero();
-    return solver.solve(Matrix6d::Identity());
-}
-
 /// Response of a column to noise of the mobile part's and the fixed part's pose, and which derivative of it.
 struct Sensitivity {
     Matrix6d mobile = Matrix6d::Zero(), fixed = Matrix6d::Zero();
@@ -110,24 +97,25 @@ Eigen::MatrixXd calcNoiseProducts(const RunMotion& motion, const MountModel& mod
     const auto sensitivities = makeSensitivities(equations.layout, model);
     const auto count = static_cast<Eigen::Index>(sensitivities.size());
     Eigen::MatrixXd products = Eigen::MatrixXd::Zero(count, count);
-    const Matrix6d weight = whitening.transpose() * whitening, pose = calcPoseCovariance(model);
+    const Matrix6d weight = whitening.transpose() * whitening;
     for (const bool mobile : {true, false}) {
         const PartMotion& part = mobile ? motion.mobile : motion.fixed;
-        Eigen::Matrix3d transfers = Eigen::Matrix3d::Zero();
         for (const bool from_displacement : {true, false}) {
             const bool measured = from_displacement ? part.displacement_measured : part.acceleration_measured;
             const double noise = from_displacement ? part.displacement_noise : part.acceleration_noise;
             if (!measured || !std::isfinite(noise) || noise <= 0) continue;
-            transfers += noise * noise * integrateTransfers(motion, part, equations.test_function, from_displacement);
-        }
-        for (Eigen::Index j = 0; j < count; ++j) {
-            const Sensitivity& a = sensitivities[static_cast<std::size_t>(j)];
-            const Matrix6d weighted = pose * (mobile ? a.mobile : a.fixed).transpose() * weight;
-            for (Eigen::Index l = 0; l <= j; ++l) {
-                const Sensitivity& b = sensitivities[static_cast<std::size_t>(l)];
-                const double transfer = transfers(a.derivative, b.derivative);
-                if (transfer == 0) continue;
-                products(j, l) += transfer * weighted.cwiseProduct((mobile ? b.mobile : b.fixed).transpose()).sum();
+            const Eigen::Matrix3d transfers =
+                noise * noise * integrateTransfers(motion, part, equations.test_function, from_displacement);
+            const Matrix6d& pose = from_displacement ? part.displacement_covariance : part.acceleration_covariance;
+            for (Eigen::Index j = 0; j < count; ++j) {
+                const Sensitivity& a = sensitivities[static_cast<std::size_t>(j)];
+                const Matrix6d weighted = pose * (mobile ? a.mobile : a.fixed).transpose() * weight;
+                for (Eigen::Index l = 0; l <= j; ++l) {
+                    const Sensitivity& b = sensitivities[static_cast<std::size_t>(l)];
+                    const double transfer = transfers(a.derivative, b.derivative);
+                    if (transfer == 0) continue;
+                    products(j, l) += transfer * weighted.cwiseProduct((mobile ? b.mobile : b.fixed).transpose()).sum();
+                }
             }
         }
     }

@@ -8,11 +8,58 @@
 
 namespace wems::identify {
 
+namespace {
+
+using FoundChannel = std::pair<MarkerChannel, const Channel*>;
+
+MarkerChannel makeMarker(const std::string& channel, const ChannelName& name, const MountModel& model) {
+    MarkerChannel marker;
+    marker.name = channel;
+    marker.station = name.connection;
+    marker.axis = name.axis;
+    const int place_index = model.placeIndex(name);
+    if (place_index < 0) {
+        marker.index = model.connectionIndex(name.connection);
+        marker.position = model.connections[static_cast<std::size_t>(marker.index)].position;
+        marker.direction = Eigen::Vector3d::Unit(name.axis);
+        return marker;
+    }
+    const SensorPlace& place = model.places[static_cast<std::size_t>(place_index)];
+    marker.index = static_cast<int>(model.connections.size()) + place_index;
+    marker.position = place.position;
+    marker.direction = place.direction(name.axis);
+    marker.turning = place.accelerometer;
+    return marker;
+}
+
+/// Weights from the noise that the layout states; a channel without a statement has the noise of the best.
+void setWeights(std::vector<FoundChannel>& found, const MountModel& model) {
+    const auto noiseOf = [&](const MarkerChannel& marker) {
+        const int place = marker.index - static_cast<int>(model.connections.size());
+        return place < 0 ? 0.0 : model.places[static_cast<std::size_t>(place)].noise;
+    };
+    double least = 0;
+    for (const auto& [marker, channel] : found) {
+        const double noise = noiseOf(marker);
+        if (noise > 0 && (least == 0 || noise < least)) least = noise;
+    }
+    for (auto& [marker, channel] : found) {
+        const double noise = noiseOf(marker);
+        if (noise > 0) marker.weight = least / noise;
+    }
+}
+
+}  // namespace
+
+bool MarkerChannel::isPlain() const {
+    return !turning && weight == 1 && direction == Eigen::Vector3d::Unit(axis);
+}
+
 bool ChannelSet::hasCompleteTriads() const {
     if (channels.size() % 3 != 0) return false;
     for (std::size_t i = 0; i < channels.size(); ++i) {
-        if (channels[i].axis != static_cast<int>(i % 3)) return false;
-        if (channels[i].connection != channels[i - i % 3].connection) return false;
+        if (channels[i].axis != static_cast<int>(i % 3) || !channels[i].isPlain()) return false;
+        if (channels[i].index != channels[i - i % 3].index) return false;
     }
     return true;
 }
@@ -22,20 +69,16 @@ ChannelSet collectChannels(const Recording& recording, const MountModel& model, 
     set.file = recording.file;
     set.part = part;
     set.derivative = derivative;
-    std::vector<std::pair<MarkerChannel, const Channel*>> found;
+    std::vector<FoundChannel> found;
     for (const Channel& channel : recording.channels) {
         const auto name = parseChannelName(channel.name);
         if (!name || name->part != part || name->derivative != derivative) continue;
-        MarkerChannel marker;
-        marker.name = channel.name;
-        marker.connection = model.connectionIndex(name->connection);
-        marker.axis = name->axis;
-        marker.position = model.connections[static_cast<std::size_t>(marker.connection)].position;
-        found.emplace_back(marker, &channel);
+        found.emplace_back(makeMarker(channel.name, *name, model), &channel);
     }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
-        return std::pair(a.first.connection, a.first.axis) < std::pair(b.first.connection, b.first.axis);
+        return std::pair(a.first.index, a.first.axis) < std::pair(b.first.index, b.first.axis);
     });
+    setWeights(found, model);
     const auto samples = static_cast<Eigen::Index>(recording.sampleCount());
     set.values.resize(static_cast<Eigen::Index>(found.size()), samples);
     for (const auto& [marker, channel] : found) {
@@ -55,14 +98,6 @@ ChannelSet collectChannels(const Recording& recording, const MountModel& model, 
                 Eigen::Map<const Eigen::RowVectorXd>(found[i].second->values.data() + start, count);
     }
     return set;
-}
-
-std::vector<int> connectionsOf(const std::vector<MarkerChannel>& channels) {
-    std::vector<int> connections;
-    for (const MarkerChannel& channel : channels) {
-        if (connections.empty() || connections.back() != channel.connection) connections.push_back(channel.connection);
-    }
-    return connections;
 }
 
 }  // namespace wems::identify

@@ -11,12 +11,19 @@
 
 namespace wems::identify {
 
-/// One scalar channel: the motion of the point `position` (m, in its part's frame) along one ground axis.
+/// One scalar channel: the motion of the point `position` (m, in its part's frame) along one direction.
 struct MarkerChannel {
-    std::string name;    ///< as in the recording, `mobile.1.z`
-    int connection = 0;  ///< index in the model
-    int axis = 0;        ///< 0 x, 1 y, 2 z
+    std::string name;     ///< as in the recording, `mobile.1.z`
+    std::string station;  ///< connection, or sensor of the laboratory's own layout
+    int index = 0;        ///< of the station: a connection's index in the model, after them the sensors'
+    int axis = 0;         ///< 0 x, 1 y, 2 z of the sensor
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< in ground axes at rest
+    bool turning = false;                                  ///< the direction turns with the part (accelerometers)
+    double weight = 1;                                     ///< of its equation: noise of the best channel over its own
+
+    /// Measures along its own ground axis, with the weight of all.
+    bool isPlain() const;
 };
 
 /// Channels ordered by connection, then axis; column k of `values` is sample k.
@@ -29,15 +36,12 @@ struct ChannelSet {
 
     bool empty() const { return channels.empty(); }
     int count() const { return static_cast<int>(channels.size()); }
-    /// Every connection that occurs has all three axes.
+    /// Every station that occurs has all three axes, along those of the ground, and all channels one weight.
     bool hasCompleteTriads() const;
 };
 
-/// @throws InputError if a channel names a connection that the model does not have, or holds a value that is not
-/// finite.
+/// @throws InputError if a channel names a connection or sensor that the model does not have, or holds a value that is
+/// not finite.
 ChannelSet collectChannels(const Recording& recording, const MountModel& model, Part part, Derivative derivative);
-
-/// The connections among `channels`, each once: index in the model, in channel order.
-std::vector<int> connectionsOf(const std::vector<MarkerChannel>& channels);
 
 }  // namespace wems::identify

@@ -28,6 +28,10 @@ struct PartMotion {
     double displacement_noise = 0;  ///< m RMS of one channel, from what the rigid fit leaves; NaN if it cannot be told
     double acceleration_noise = 0;  ///< m/s² RMS of one channel, likewise
     Calibration displacement_calibration, acceleration_calibration;  ///< empty without such channels
+    /// Covariances of (origin, rotation), or their accelerations, from unit noise on every channel; zero where there
+    /// are no such channels.
+    Eigen::Matrix<double, 6, 6> displacement_covariance = Eigen::Matrix<double, 6, 6>::Zero();
+    Eigen::Matrix<double, 6, 6> acceleration_covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
 /// Motion of both parts in one run.

@@ -48,7 +48,7 @@ double rms(const Eigen::Matrix3Xd& values) {
 
 /// Noise of one channel: from the redundancy of the fit, otherwise from what varies fast in the origin's motion.
 double estimateNoise(const RigidFit& fit, const Eigen::MatrixXd& residuals, const Eigen::Matrix3Xd& origin) {
-    if (fit.redundancy() > 0) return estimateNoiseFromResiduals(residuals, fit.redundancy());
+    if (fit.redundancy() > 0) return estimateNoiseFromResiduals(fit.weigh(residuals), fit.redundancy());
     const Vector6 unit = fit.calcUnitDeviations();
     double sum = 0;
     for (int axis = 0; axis < 3; ++axis)
@@ -89,7 +89,9 @@ public:
             motion.displacement_noise = estimateNoise(displacement_, residuals, motion.p);
             motion.displacement_calibration =
                 calibrate(displacement_, residuals, motion.displacement_noise, "displacement");
+            motion.displacement_covariance = displacement_.calcUnitCovariance();
         }
+        if (acceleration) motion.acceleration_covariance = acceleration_.calcUnitCovariance();
         if (displacement && acceleration) {
             fuse();
         } else if (displacement) {

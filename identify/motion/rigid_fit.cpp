@@ -28,7 +28,7 @@ void orthonormalize(Eigen::Matrix3d& R) {
 Eigen::MatrixXd makeDesign(const std::vector<MarkerChannel>& channels, const Eigen::Vector3d& origin, double length) {
     Eigen::MatrixXd design(static_cast<Eigen::Index>(channels.size()), 6);
     for (std::size_t i = 0; i < channels.size(); ++i) {
-        const Eigen::Vector3d e = Eigen::Vector3d::Unit(channels[i].axis);
+        const Eigen::Vector3d& e = channels[i].direction;
         const Eigen::Vector3d r = channels[i].position - origin;
         design.row(static_cast<Eigen::Index>(i)) << e.transpose(), r.cross(e).transpose() / length;
     }
@@ -40,7 +40,7 @@ RigidFit::RigidFit(ChannelSet set, const BodyMotion& rest)
     rest_ends_.resize(set_.count());
     for (int i = 0; i < set_.count(); ++i) {
         const MarkerChannel& channel = set_.channels[static_cast<std::size_t>(i)];
-        rest_ends_[i] = (rest_.p_GM + rest_.R_GM * channel.position)[channel.axis];
+        rest_ends_[i] = channel.direction.dot(rest_.p_GM + rest_.R_GM * channel.position);
     }
     findUndetermined();
     if (!undetermined_.empty() || !triads_) return;
@@ -78,9 +78,19 @@ void RigidFit::findUndetermined() {
 }
 
 Eigen::Matrix<double, 6, 1> RigidFit::calcUnitDeviations() const {
-    const Eigen::MatrixXd design = makeDesign(set_.channels, Eigen::Vector3d::Zero(), 1.0);
+    return calcUnitCovariance().diagonal().cwiseSqrt();
+}
+
+Eigen::Matrix<double, 6, 6> RigidFit::calcUnitCovariance() const {
+    const Eigen::MatrixXd design = weigh(makeDesign(set_.channels, Eigen::Vector3d::Zero(), 1.0));
     const Matrix6 normal = design.transpose() * design;
-    return normal.inverse().diagonal().cwiseSqrt();
+    return normal.inverse();
+}
+
+Eigen::MatrixXd RigidFit::weigh(const Eigen::MatrixXd& residuals) const {
+    Eigen::MatrixXd weighted = residuals;
+    for (int i = 0; i < set_.count(); ++i) weighted.row(i) *= set_.channels[static_cast<std::size_t>(i)].weight;
+    return weighted;
 }
 
 BodyMotion RigidFit::calcKabsch(const Eigen::Matrix3Xd& ends) const {
@@ -114,9 +124,18 @@ bool RigidFit::refineTriads(const Eigen::Matrix3Xd& ends, BodyMotion& pose) cons
     return false;
 }
 
-Eigen::Vector3d RigidFit::calcRow(int channel, const Eigen::Matrix3d& R) const {
+Eigen::Vector3d RigidFit::calcDirection(int channel, const Eigen::Matrix3d& R) const {
     const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(channel)];
-    return (R * marker.position).cross(Eigen::Vector3d::Unit(marker.axis));
+    if (marker.turning) return R * marker.direction;
+    return marker.direction;
+}
+
+RigidFit::Vector6 RigidFit::calcRow(int channel, const Eigen::Matrix3d& R) const {
+    const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(channel)];
+    const Eigen::Vector3d direction = calcDirection(channel, R);
+    Vector6 row;
+    row << direction, (R * marker.position).cross(direction);
+    return marker.weight * row;
 }
 
 bool RigidFit::refineRows(const Eigen::Ref<const Eigen::VectorXd>& ends, BodyMotion& pose) const {
@@ -125,9 +144,9 @@ bool RigidFit::refineRows(const Eigen::Ref<const Eigen::VectorXd>& ends, BodyMot
         Vector6 right = Vector6::Zero();
         for (int i = 0; i < set_.count(); ++i) {
             const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(i)];
-            Vector6 row;
-            row << Eigen::Vector3d::Unit(marker.axis), calcRow(i, pose.R_GM);
-            const double error = ends[i] - (pose.p_GM + pose.R_GM * marker.position)[marker.axis];
+            const Vector6 row = calcRow(i, pose.R_GM);
+            const double error =
+                marker.weight * (ends[i] - marker.direction.dot(pose.p_GM + pose.R_GM * marker.position));
             normal.noalias() += row * row.transpose();
             right += error * row;
         }
@@ -189,8 +208,7 @@ void RigidFit::solvePoses(Eigen::Matrix3Xd& p, Eigen::Matrix3Xd& theta, Eigen::M
         if (!residuals) continue;
         for (int i = 0; i < set_.count(); ++i) {
             const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(i)];
-            (*residuals)(i, k) =
-                channel_ends[i] - pose.p_GM[marker.axis] - pose.R_GM.row(marker.axis).dot(marker.position);
+            (*residuals)(i, k) = channel_ends[i] - marker.direction.dot(pose.p_GM + pose.R_GM * marker.position);
         }
     }
 }
@@ -219,10 +237,10 @@ void RigidFit::solveAccelerations(const Eigen::Matrix3Xd& theta, const Eigen::Ma
             Vector6 right = Vector6::Zero();
             for (int i = 0; i < set_.count(); ++i) {
                 const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(i)];
-                Vector6 row;
-                row << Eigen::Vector3d::Unit(marker.axis), calcRow(i, R);
+                const Vector6 row = calcRow(i, R);
                 const Eigen::Vector3d r = R * marker.position;
-                const double value = set_.values(i, k) - w.col(k).cross(w.col(k).cross(r))[marker.axis];
+                const double centripetal = calcDirection(i, R).dot(w.col(k).cross(w.col(k).cross(r)));
+                const double value = marker.weight * (set_.values(i, k) - centripetal);
                 normal.noalias() += row * row.transpose();
                 right += value * row;
             }
@@ -235,8 +253,7 @@ void RigidFit::solveAccelerations(const Eigen::Matrix3Xd& theta, const Eigen::Ma
         const Eigen::Matrix3d field_matrix = (A + W * W) * R;
         for (int i = 0; i < set_.count(); ++i) {
             const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(i)];
-            (*residuals)(i, k) =
-                set_.values(i, k) - a(marker.axis, k) - field_matrix.row(marker.axis).dot(marker.position);
+            (*residuals)(i, k) = set_.values(i, k) - calcDirection(i, R).dot(a.col(k) + field_matrix * marker.position);
         }
     }
 }

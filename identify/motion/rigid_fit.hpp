@@ -4,7 +4,8 @@
 /// With complete triads the equations are solved in the body's own frame, where the linear problem never changes: one
 /// pseudo-inverse serves all samples, and Gauss–Newton from the pose before converges to round-off in two or three
 /// steps (the same minimum as Kabsch's, Acta Cryst. A32, 1976, which starts the first sample and any that jumps).
-/// With single axes missing the 6 x 6 normal equations are formed for each sample.
+/// With single axes missing, turned sensors or weights the 6 x 6 normal equations are formed for each sample: row i is
+/// w_i (nᵀ, (R r_i × n)ᵀ), n = R n_i for a sensor that turns with the part.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +18,7 @@
 namespace wems::identify {
 
 /// Linear map from (velocity of `origin`, angular velocity · `length`) to each channel, at rest: rows
-/// (e_axisᵀ, (r × e_axis)ᵀ/length), r = position − origin; channels x 6.
+/// (nᵀ, (r × n)ᵀ/length), n the channel's direction, r = position − origin; channels x 6.
 Eigen::MatrixXd makeDesign(const std::vector<MarkerChannel>& channels, const Eigen::Vector3d& origin, double length);
 
 class RigidFit {
@@ -30,8 +31,13 @@ public:
     int redundancy() const { return set_.count() - 6; }
     const ChannelSet& channelSet() const { return set_; }
 
-    /// Standard deviations of (origin, rotation) from unit noise on every channel, at rest: 3 (m/m), 3 (rad/m).
+    /// Standard deviations of (origin, rotation) from unit noise on every channel (of weight 1), at rest: 3 (m/m), 3
+    /// (rad/m).
     Eigen::Matrix<double, 6, 1> calcUnitDeviations() const;
+    /// Their covariance.
+    Eigen::Matrix<double, 6, 6> calcUnitCovariance() const;
+    /// `residuals` times the channels' weights: all of the noise of a channel of weight 1.
+    Eigen::MatrixXd weigh(const Eigen::MatrixXd& residuals) const;
 
     /// Poses from displacements: origin p (m) and rotation vector theta (rad), 3 x samples.
     /// @param[out] residuals measured minus rigid, channels x samples, m; may be null
@@ -51,7 +57,9 @@ private:
     BodyMotion calcKabsch(const Eigen::Matrix3Xd& ends) const;
     bool refineTriads(const Eigen::Matrix3Xd& ends, BodyMotion& pose) const;
     bool refineRows(const Eigen::Ref<const Eigen::VectorXd>& ends, BodyMotion& pose) const;
-    Eigen::Vector3d calcRow(int channel, const Eigen::Matrix3d& R) const;
+    /// Weighted row of the normal equations of the part turned by R.
+    Vector6 calcRow(int channel, const Eigen::Matrix3d& R) const;
+    Eigen::Vector3d calcDirection(int channel, const Eigen::Matrix3d& R) const;
 
     ChannelSet set_;
     BodyMotion rest_;

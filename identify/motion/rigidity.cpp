@@ -36,8 +36,8 @@ std::optional<std::array<int, 4>> findCross(const std::vector<Eigen::Vector3d>& 
 
 class PartCheck {
 public:
-    PartCheck(const Recording& recording, const MountModel& model, Part part, Rigidity& result)
-        : recording_(recording), model_(model), part_(part), result_(result) {}
+    PartCheck(const Recording& recording, Part part, Rigidity& result)
+        : recording_(recording), part_(part), result_(result) {}
 
     void checkDisplacements(const ChannelSet& set, const BodyMotion& rest, double noise) {
         noise_ = noise;
@@ -46,11 +46,13 @@ public:
         ends_.clear();
         for (int i = 0; i + 2 < set.count(); ++i) {
             const MarkerChannel& channel = set.channels[static_cast<std::size_t>(i)];
+            const MarkerChannel& last = set.channels[static_cast<std::size_t>(i + 2)];
             const bool triad = channel.axis == 0 && set.channels[static_cast<std::size_t>(i + 1)].axis == 1 &&
-                               set.channels[static_cast<std::size_t>(i + 2)].axis == 2 &&
-                               set.channels[static_cast<std::size_t>(i + 2)].connection == channel.connection;
-            if (!triad) continue;
-            names_.push_back(model_.connections[static_cast<std::size_t>(channel.connection)].name);
+                               last.axis == 2 && last.index == channel.index;
+            // The distance of two ends needs all axes of both along the same directions.
+            if (!triad || channel.direction != Eigen::Vector3d::UnitX() || last.direction != Eigen::Vector3d::UnitZ())
+                continue;
+            names_.push_back(channel.station);
             rests_.push_back(rest.R_GM * channel.position + rest.p_GM);
             ends_.emplace_back(set.values.middleRows(i, 3).colwise() + rests_.back());
         }
@@ -73,13 +75,13 @@ public:
         const double largest = set.values.cwiseAbs().maxCoeff();
         if (!(largest > 0)) return;
         for (int first = 0; first < set.count();) {
-            const int connection = set.channels[static_cast<std::size_t>(first)].connection;
+            const MarkerChannel& station = set.channels[static_cast<std::size_t>(first)];
             int count = 0;
             while (first + count < set.count() &&
-                   set.channels[static_cast<std::size_t>(first + count)].connection == connection)
+                   set.channels[static_cast<std::size_t>(first + count)].index == station.index)
                 ++count;
             const double noise_percent = 100 * noise * std::sqrt(count) / largest;
-            add("acceleration field " + model_.connections[static_cast<std::size_t>(connection)].name,
+            add("acceleration field " + station.station,
                 100 / largest * residuals.middleRows(first, count).colwise().norm().transpose(), noise_percent);
             first += count;
         }
@@ -131,7 +133,6 @@ private:
     }
 
     const Recording& recording_;
-    const MountModel& model_;
     Part part_;
     Rigidity& result_;
     double noise_ = 0;
@@ -152,7 +153,7 @@ void checkPart(const Recording& recording, const MountModel& model, Part part, c
     const PartEstimate estimate = estimatePart(recording, model, part, rest);
     const PartMotion& motion = estimate.motion;
     const std::string name = part == Part::mobile ? "mobile part: " : "fixed part: ";
-    PartCheck check(recording, model, part, result);
+    PartCheck check(recording, part, result);
     const double interval = recording.sampleInterval();
     const auto redundant = [&](const RigidFit& fit) {
         if (fit.redundancy() > 0) return true;

@@ -117,12 +117,24 @@ private:
                 const auto rows = node.value_exact<std::int64_t>();
                 if (!rows || *rows < 0 || *rows > 1000000) fail(node, path, "must be a whole number from 0 to 1000000");
                 map_.skip_rows = static_cast<int>(*rows);
+            } else if (name == "rest") {
+                map_.rest = readRest(node, path);
             } else {
-                fail(node, path, "unknown key", "time, sample_interval, separator, decimal, skip_rows");
+                fail(node, path, "unknown key", "time, sample_interval, separator, decimal, skip_rows, rest");
             }
         }
         if (table.contains("sample_interval") && map_.has_time)
             fail(*table.get("sample_interval"), "table.sample_interval", "only with time = \"none\"");
+    }
+
+    RestPosition readRest(const toml::node& node, const std::string& path) const {
+        if (node.is_string()) {
+            if (readText(node, path) != "none") fail(node, path, "not understood", "a duration in s, or \"none\"");
+            return {RestPosition::Kind::none, 0};
+        }
+        const double duration = readNumber(node, path);
+        if (duration < 0) fail(node, path, "must not be negative");
+        return {RestPosition::Kind::mean, duration};
     }
 
     char readCharacter(const toml::node& node, const std::string& path, std::string_view choices,

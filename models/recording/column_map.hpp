@@ -12,6 +12,8 @@
 ///     separator = ";"                            # `,` `;` or tab; absent = found from the header
 ///     decimal = ","                              # `.` or `,`; absent = found from the data
 ///     skip_rows = 3                              # rows before the header that are not read
+///     rest = 0.5                                 # displacements are positions: the mean over the first 0.5 s is rest;
+///                                                # "none": they count from rest already; absent: as the format has it
 ///
 /// A value becomes (scale · value + offset) · unit; scale and offset are thus in the column's own unit. Columns that
 /// the map does not name are read if they carry a channel's name already.
@@ -33,6 +35,17 @@ struct MappedColumn {
     long line = 0;        ///< in the map's file
 };
 
+/// From where displacement channels count.
+struct RestPosition {
+    enum class Kind {
+        by_format,  ///< markers (.trc) from the first row, anything else from rest already
+        none,       ///< they count from rest already
+        mean        ///< they are positions; rest is the mean over the first `duration` seconds
+    };
+    Kind kind = Kind::by_format;
+    double duration = 0;  ///< s
+};
+
 struct ColumnMap {
     std::string file;
     std::vector<MappedColumn> columns;
@@ -40,6 +53,7 @@ struct ColumnMap {
     double sample_interval = 1;  ///< s, without time column
     std::optional<char> separator, decimal;
     int skip_rows = 0;
+    RestPosition rest;
 };
 
 /// @throws InputError with file, line and key: not TOML, unknown key, unknown channel, two columns for one channel.

@@ -140,14 +140,19 @@ void findMismatchedNames(const Recording& recording, const MountModel& model, st
         const auto recorded = recording.connections(part);
         if (recorded.empty()) continue;
         for (const auto& name : recorded) {
-            const bool known = std::any_of(model.connections.begin(), model.connections.end(),
-                                           [&, &wanted = name](const Connection& c) { return c.name == wanted; });
+            const auto isNamed = [&wanted = name](const auto& other) { return other.name == wanted; };
+            const bool known = std::any_of(model.connections.begin(), model.connections.end(), isNamed) ||
+                               std::any_of(model.places.begin(), model.places.end(), isNamed);
             if (known) continue;
             const std::string channel = std::string(part_name) + "." + name;
-            findings.push_back({FindingKind::unknown_connection, channel, 0, 0,
-                                channel + ": the model has no connection of this name; its channels are not used"});
+            findings.push_back(
+                {FindingKind::unknown_connection, channel, 0, 0,
+                 channel + ": the model has no connection or sensor of this name; its channels are not used"});
         }
         if (part != Part::mobile && part != Part::fixed) continue;  // a test machine holds one connection
+        const bool elsewhere = std::any_of(model.places.begin(), model.places.end(),
+                                           [&, wanted = part](const SensorPlace& p) { return p.part == wanted; });
+        if (elsewhere) continue;  // the laboratory's own layout
         for (const auto& connection : model.connections) {
             if (std::find(recorded.begin(), recorded.end(), connection.name) != recorded.end()) continue;
             const std::string channel = std::string(part_name) + "." + connection.name;

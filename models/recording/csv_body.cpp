@@ -52,7 +52,7 @@ public:
     }
 
 private:
-    long fileRow() const { return layout_.firstRow() + static_cast<long>(row_); }
+    long fileRow() const { return layout_.first_row + static_cast<long>(row_); }
 
     /// As many rows as the first 64 kB suggest, and no more than the separators leave room for.
     void reserve() {

@@ -1,9 +1,14 @@
 #include "models/recording/csv_layout.hpp"
 
+#include <fast_float/fast_float.h>
+
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "models/error.hpp"
+#include "models/recording/column_selection.hpp"
+#include "models/units.hpp"
 
 namespace wems {
 namespace {
@@ -20,12 +25,10 @@ std::string_view takeRow(std::string_view& rest) {
 void rejectBinary(std::string_view text, const std::string& file) {
     const auto startsWith = [&](std::string_view magic) { return text.substr(0, magic.size()) == magic; };
     const char* problem = nullptr;
-    if (startsWith("\xFF\xFE") || startsWith("\xFE\xFF")) {
-        problem = "the text is UTF-16; save it as UTF-8";
-    } else if (startsWith("\x1F\x8B") ||
-               startsWith("\xFD"
-                          "7zXZ") ||
-               startsWith("PK\x03\x04") || startsWith("BZh")) {
+    if (startsWith("\x1F\x8B") ||
+        startsWith("\xFD"
+                   "7zXZ") ||
+        startsWith("PK\x03\x04") || startsWith("BZh")) {
         problem = "the file is compressed or a spreadsheet's own format; unpack or export it as CSV";
     } else {
         const auto head = text.substr(0, 4096);
@@ -35,14 +38,6 @@ void rejectBinary(std::string_view text, const std::string& file) {
         if (binary) problem = "the file is binary, not text";
     }
     if (problem != nullptr) throw InputError({file, 0, {}}, problem, "CSV with one header row");
-}
-
-void readMetadata(std::string_view row, std::map<std::string, std::string>& metadata) {
-    row.remove_prefix(1);
-    const auto colon = row.find(':');
-    if (colon == std::string_view::npos) return;
-    const auto key = trimCsvField(row.substr(0, colon));
-    if (!key.empty()) metadata[std::string(key)] = std::string(trimCsvField(row.substr(colon + 1)));
 }
 
 char findSeparator(std::string_view header) {
@@ -71,6 +66,164 @@ char findDecimal(std::string_view body, char separator, bool has_quotes) {
     }
     return '.';
 }
+
+bool isNumber(std::string_view text) {
+    text = trimCsvField(text);
+    if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+    for (const char decimal : {'.', ','}) {
+        double value = 0;
+        const auto result =
+            fast_float::from_chars_advanced(text.data(), text.data() + text.size(), value,
+                                            fast_float::parse_options(fast_float::chars_format::general, decimal));
+        if (result.ec == std::errc() && result.ptr == text.data() + text.size()) return true;
+    }
+    return false;
+}
+
+bool isBlank(std::string_view row, char separator) {
+    const std::array<char, 4> blank = {' ', '\t', '\r', separator};
+    return row.find_first_not_of(std::string_view(blank.data(), blank.size())) == std::string_view::npos;
+}
+
+/// `[mm]` or `(mm)` without its brackets.
+std::string stripBrackets(const std::string& text) {
+    const bool bracketed = text.size() >= 2 &&
+                           ((text.front() == '[' && text.back() == ']') || (text.front() == '(' && text.back() == ')'));
+    return bracketed ? std::string(trimCsvField(std::string_view(text).substr(1, text.size() - 2))) : text;
+}
+
+class LayoutReader {
+public:
+    LayoutReader(std::string_view text, const std::string& file, const ColumnMap* map)
+        : rest_(text), file_(file), map_(map) {}
+
+    CsvLayout read() {
+        for (int skip = map_ != nullptr ? map_->skip_rows : 0; skip > 0 && !rest_.empty(); --skip, ++layout_.header_row)
+            takeRow(rest_);
+        findHeader();
+        if (!splitCsvRow(header_, layout_.separator, layout_.headers))
+            throw InputError({file_, layout_.header_row, {}}, "a quote in the header row is not closed");
+        while (!layout_.headers.empty() && layout_.headers.back().empty()) layout_.headers.pop_back();
+        layout_.first_row = layout_.header_row + 1;
+        readRowsBelowHeader();
+        layout_.body = rest_;
+        layout_.has_quotes = rest_.find('"') != std::string_view::npos;
+        layout_.decimal = map_ != nullptr && map_->decimal ? *map_->decimal
+                                                           : findDecimal(rest_, layout_.separator, layout_.has_quotes);
+        if (rest_.find_first_not_of(" \t\r\n") == std::string_view::npos)
+            throw InputError({file_, layout_.header_row, {}}, "no data rows after the header");
+        return std::move(layout_);
+    }
+
+private:
+    char separatorOf(std::string_view row) const {
+        return map_ != nullptr && map_->separator ? *map_->separator : findSeparator(row);
+    }
+
+    /// Fields of `row` that are known; 0 for what cannot be a header.
+    long countKnown(std::string_view row) const {
+        std::vector<std::string> fields;
+        if (!splitCsvRow(row, separatorOf(row), fields)) return 0;
+        return std::count_if(fields.begin(), fields.end(),
+                             [this](const std::string& field) { return isKnownColumn(field, map_); });
+    }
+
+    /// Leaves `rest_` after the header.
+    void findHeader() {
+        constexpr int kMostRows = 200;
+        constexpr long kEnough = 2;  // known fields, after which no better row is looked for
+        std::vector<std::string_view> before;
+        std::string_view ahead = rest_;
+        long row_number = layout_.header_row, best = -1;
+        std::size_t text_rows = 0;  // rows of `before` that stand before the header
+        for (int count = 0; count < kMostRows && !ahead.empty() && best < kEnough; ++count) {
+            const auto row = takeRow(ahead);
+            ++row_number;
+            if (trimCsvField(row).empty()) continue;
+            if (row.front() != '#') {
+                const long known = countKnown(row);
+                if (known > best) {
+                    best = known;
+                    header_ = row;
+                    rest_ = ahead;
+                    layout_.header_row = row_number;
+                    text_rows = before.size();
+                }
+            }
+            before.push_back(row);
+        }
+        if (best < 0) throw InputError({file_, 0, {}}, "there is no header row", "a row of `name [unit]`");
+        layout_.separator = separatorOf(header_);
+        before.resize(text_rows);
+        for (const auto row : before) readMetadata(row);
+    }
+
+    void readMetadata(std::string_view row) {
+        const bool marked = row.front() == '#';
+        if (marked) row.remove_prefix(1);
+        std::string_view key = row, value;
+        if (const auto colon = row.find(':'); colon != std::string_view::npos) {
+            key = row.substr(0, colon);
+            value = row.substr(colon + 1);
+        } else if (std::vector<std::string> fields;
+                   !marked && splitCsvRow(row, layout_.separator, fields) && fields.size() >= 2) {
+            const bool pair = std::all_of(fields.begin() + 2, fields.end(), [](const auto& f) { return f.empty(); });
+            if (pair && !fields[0].empty()) layout_.metadata[fields[0]] = fields[1];
+            return;
+        } else {
+            return;
+        }
+        const std::array<char, 5> blank = {' ', '\t', '\r', '"', layout_.separator};
+        const auto trim = [&](std::string_view text) {
+            const std::string_view outer(blank.data(), blank.size());
+            const auto first = text.find_first_not_of(outer);
+            if (first == std::string_view::npos) return std::string();
+            return std::string(text.substr(first, text.find_last_not_of(outer) - first + 1));
+        };
+        const std::string name = marked ? std::string(trimCsvField(key)) : trim(key);
+        if (!name.empty()) layout_.metadata[name] = marked ? std::string(trimCsvField(value)) : trim(value);
+    }
+
+    /// Rows without any number: units, or descriptions that nobody here needs.
+    void readRowsBelowHeader() {
+        constexpr int kMostRows = 4;
+        std::vector<std::string> fields;
+        for (int count = 0; count < kMostRows; ++count) {
+            std::string_view ahead = rest_;
+            const auto row = takeRow(ahead);
+            if (isBlank(row, layout_.separator) || !splitCsvRow(row, layout_.separator, fields)) return;
+            if (std::any_of(fields.begin(), fields.end(), isNumber)) return;
+            if (ahead.find_first_not_of(" \t\r\n") == std::string_view::npos) return;  // bad data, not units
+            if (layout_.units.empty() && holdsUnits(fields)) {
+                for (const auto& field : fields) layout_.units.push_back(stripBrackets(field));
+                layout_.units.resize(layout_.headers.size());
+            } else {
+                layout_.warnings.push_back("row " + std::to_string(layout_.first_row) +
+                                           ", between header and numbers, is not read: " +
+                                           std::string(row.substr(0, 60)) + (row.size() > 60 ? " …" : ""));
+            }
+            rest_ = ahead;
+            ++layout_.first_row;
+        }
+    }
+
+    /// True if the known columns have no unit in the header and units in this row.
+    bool holdsUnits(const std::vector<std::string>& fields) const {
+        bool found = false;
+        for (std::size_t i = 0; i < std::min(fields.size(), layout_.headers.size()); ++i) {
+            if (fields[i].empty() || !isKnownColumn(layout_.headers[i], map_)) continue;
+            if (parseColumnHeader(layout_.headers[i], false).has_unit || !isUnit(stripBrackets(fields[i])))
+                return false;
+            found = true;
+        }
+        return found;
+    }
+
+    std::string_view rest_, header_;
+    const std::string& file_;
+    const ColumnMap* map_;
+    CsvLayout layout_;
+};
 
 }  // namespace
 
@@ -111,53 +264,11 @@ bool splitCsvRow(std::string_view row, char separator, std::vector<std::string>&
     return !quoted;
 }
 
-CsvHeader parseCsvHeader(const std::string& header, bool parentheses) {
-    CsvHeader parsed;
-    parsed.name = std::string(trimCsvField(header));
-    if (parsed.name.empty()) return parsed;
-    const char last = parsed.name.back();
-    const bool bracketed = last == ']' || (parentheses && last == ')');
-    const auto open = bracketed ? parsed.name.rfind(last == ']' ? '[' : '(') : std::string::npos;
-    if (open == std::string::npos) return parsed;
-    parsed.unit =
-        std::string(trimCsvField(std::string_view(parsed.name).substr(open + 1, parsed.name.size() - open - 2)));
-    parsed.name = std::string(trimCsvField(std::string_view(parsed.name).substr(0, open)));
-    parsed.has_unit = true;
-    return parsed;
-}
-
 CsvLayout readCsvLayout(std::string_view text, const std::string& file, const ColumnMap* map) {
     rejectBinary(text, file);
     constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
     if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) text.remove_prefix(kByteOrderMark.size());
-
-    CsvLayout layout;
-    std::string_view header;
-    for (int skip = map != nullptr ? map->skip_rows : 0; skip > 0 && !text.empty(); --skip, ++layout.header_row)
-        takeRow(text);
-    while (!text.empty()) {
-        const auto row = takeRow(text);
-        ++layout.header_row;
-        if (trimCsvField(row).empty()) continue;
-        if (row.front() != '#') {
-            header = row;
-            break;
-        }
-        readMetadata(row, layout.metadata);
-    }
-    if (header.empty()) throw InputError({file, 0, {}}, "there is no header row", "a row of `name [unit]`");
-
-    layout.separator = map != nullptr && map->separator ? *map->separator : findSeparator(header);
-    if (!splitCsvRow(header, layout.separator, layout.headers))
-        throw InputError({file, layout.header_row, {}}, "a quote in the header row is not closed");
-    while (!layout.headers.empty() && layout.headers.back().empty()) layout.headers.pop_back();
-    layout.body = text;
-    layout.has_quotes = text.find('"') != std::string_view::npos;
-    layout.decimal =
-        map != nullptr && map->decimal ? *map->decimal : findDecimal(text, layout.separator, layout.has_quotes);
-    if (text.find_first_not_of(" \t\r\n") == std::string_view::npos)
-        throw InputError({file, layout.header_row, {}}, "no data rows after the header");
-    return layout;
+    return LayoutReader(text, file, map).read();
 }
 
 }  // namespace wems

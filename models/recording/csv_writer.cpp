@@ -37,7 +37,7 @@ struct Column {
 
 void appendNumber(double value, int digits, std::string& text) {
     if (std::isnan(value)) return;
-    if (std::isinf(value)) throw std::invalid_argument("writeRecording: a value is infinite");
+    if (std::isinf(value)) throw std::invalid_argument("writeCsv: a value is infinite");
     char number[kMaxNumber];
     const auto result = std::to_chars(number, number + kMaxNumber, value, std::chars_format::general, digits);
     text.append(number, result.ptr);
@@ -49,7 +49,7 @@ std::vector<Column> makeColumns(const Recording& recording, const std::string& f
     for (const auto& channel : recording.channels) {
         const auto name = parseChannelName(channel.name);
         if (!name || channel.values.size() != recording.time.size())
-            throw std::invalid_argument("writeRecording: channel '" + channel.name + "' has no valid name or length");
+            throw std::invalid_argument("writeCsv: channel '" + channel.name + "' has no valid name or length");
         const Quantity quantity = findQuantity(*name);
         const std::string unit = channel.unit.empty() ? siUnit(quantity) : channel.unit;
         columns.push_back({&channel.values, findUnitFactor(unit, quantity, {file, 0, channel.name}), digits});
@@ -60,7 +60,7 @@ std::vector<Column> makeColumns(const Recording& recording, const std::string& f
 
 }  // namespace
 
-void writeRecording(const Recording& recording, const std::string& file, int digits) {
+void writeCsv(const Recording& recording, const std::string& file, int digits) {
     std::string text;
     for (const auto& [key, value] : recording.metadata) text += "# " + oneLine(key) + ": " + oneLine(value) + "\n";
     const auto columns = makeColumns(recording, file, std::clamp(digits, 1, 17), text);

@@ -15,6 +15,6 @@ namespace wems {
 /// @throws InputError: the file cannot be written, or a channel's unit is not known.
 /// @throws std::invalid_argument: a channel whose length is not that of time, a name that is no channel, a value that
 ///         is infinite.
-void writeRecording(const Recording& recording, const std::string& file, int digits = 9);
+void writeCsv(const Recording& recording, const std::string& file, int digits = 9);
 
 }  // namespace wems

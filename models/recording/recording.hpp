@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "models/recording/finding.hpp"
 #include "models/units.hpp"
 
 namespace wems {
@@ -40,11 +41,13 @@ struct Channel {
 
 struct Recording {
     std::string file;
+    std::string format;                           ///< `CSV`, `MATLAB 7.3` …; empty if it was never in a file
     std::map<std::string, std::string> metadata;  ///< the `# key: value` lines
     std::vector<double> time;                     ///< s, strictly increasing
     std::vector<Channel> channels;                ///< those whose name is known, in file order
     std::vector<std::string> unused_columns;      ///< other columns of the file
     std::vector<std::string> warnings;            ///< what was found odd and how it was treated, one sentence each
+    std::vector<Finding> findings;                ///< those among the warnings that reading found in the data
     long first_row = 0;                           ///< row of the file (from 1) of the first sample
 
     std::size_t sampleCount() const { return time.size(); }

@@ -11,34 +11,12 @@
 /// clipped and constant channels.
 #pragma once
 
-#include <string>
 #include <vector>
 
+#include "models/recording/finding.hpp"
 #include "models/recording/recording.hpp"
 
 namespace wems {
-
-enum class FindingKind {
-    repeated_time,
-    backward_time,
-    gap,
-    non_uniform_time,
-    missing_value,
-    empty_channel,
-    clipped,
-    constant,
-    missing_connection,
-    unknown_connection,
-    swapped
-};
-
-struct Finding {
-    FindingKind kind = FindingKind::gap;
-    std::string channel;  ///< `time`, a channel, or `mobile.1` for all channels of a connection
-    long row = 0;         ///< of the file, the first one concerned; 0 if the whole recording is
-    double time = 0;      ///< s, of that row
-    std::string message;  ///< one sentence
-};
 
 /// Makes every value finite and time strictly increasing, then runs checkChannels. NaN stands for an empty field.
 /// @throws InputError where that would take more than the limits above.

@@ -12,6 +12,7 @@
 
 #include "models/recording/csv_reader.hpp"
 #include "models/recording/csv_writer.hpp"
+#include "models/recording/recording_reader.hpp"
 
 namespace {
 
@@ -83,7 +84,7 @@ void benchWrite(benchmark::State& state) {
     const SampleFile file(28, 28, 50000);
     const auto recording = wems::readRecording(file.path());
     const std::string target = file.path() + ".out";
-    while (state.KeepRunning()) wems::writeRecording(recording, target);
+    while (state.KeepRunning()) wems::writeCsv(recording, target);
     const auto size = static_cast<std::int64_t>(std::filesystem::file_size(target));
     state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations()) * size);
     std::remove(target.c_str());

@@ -92,6 +92,9 @@ TEST_CASE("A recording that cannot be used is refused in one line by every comma
         {"rigidity", "run.csv", "--model", "model.toml", "--json", "out.json"},
         {"compare", "good.csv", "run.csv", "--json", "out.json"},
         {"surface", "run.csv", "--json", "out.json"},
+        {"inspect", "run.csv", "--json", "out.json", "--report", "out.html"},
+        {"convert", "run.csv", "out.sto"},
+        {"merge", "good.csv", "run.csv", "-o", "out.csv"},
     };
     for (const auto& arguments : calls) {
         const auto result = runProgram(IDENTIFY_PROGRAM, arguments, folder.path());
@@ -116,6 +119,13 @@ TEST_CASE("A command line that makes no sense is refused with status 2") {
         {IDENTIFY_PROGRAM, {"fit", "run.csv", "--model", "nowhere.toml"}},
         {IDENTIFY_PROGRAM, {"fit", "run.csv", "--model", "model.toml", "--columns", "nowhere.toml"}},
         {IDENTIFY_PROGRAM, {"compare", "run.csv"}},
+        {IDENTIFY_PROGRAM, {"fit", "--model", "model.toml"}},
+        {IDENTIFY_PROGRAM, {"fit", "run.csv", "--test", "nowhere.toml", "--model", "model.toml"}},
+        {IDENTIFY_PROGRAM, {"fit", "--test", "nowhere.toml", "--model", "model.toml"}},
+        {IDENTIFY_PROGRAM, {"fit", "run.csv", "--model", "model.toml", "--geometry", "model.toml"}},
+        {IDENTIFY_PROGRAM, {"convert", "run.csv", "out.mat"}},
+        {IDENTIFY_PROGRAM, {"convert", "run.csv", "nowhere/out.csv"}},
+        {IDENTIFY_PROGRAM, {"merge", "run.csv", "-o", "out.csv"}},
     };
 #ifdef SIMULATE_PROGRAM
     const std::vector<std::vector<std::string>> simulations = {
@@ -143,7 +153,7 @@ TEST_CASE("A command line that makes no sense is refused with status 2") {
 
 TEST_CASE("Help is given with status 0 and shows an example") {
     const TemporaryDirectory folder;
-    for (const char* command : {"rigidity", "fit", "surface", "compare"}) {
+    for (const char* command : {"rigidity", "fit", "surface", "compare", "diagnose", "inspect", "convert", "merge"}) {
         const auto result = runProgram(IDENTIFY_PROGRAM, {command, "--help"}, folder.path());
         CAPTURE(command, result.output, result.errors);
         CHECK(result.exit_status == 0);

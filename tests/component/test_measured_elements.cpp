@@ -8,7 +8,7 @@
 #include "identify/component/component_fit.hpp"
 #include "identify/component/surface_kind.hpp"
 #include "models/recording/column_map.hpp"
-#include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 
 namespace wems::identify {
 namespace {

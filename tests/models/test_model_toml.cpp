@@ -93,6 +93,16 @@ void checkSame(const MountModel& a, const MountModel& b) {
         CHECK(a.sensors[i].delay == b.sensors[i].delay);
         CHECK(a.sensors[i].rotation == b.sensors[i].rotation);
     }
+    REQUIRE(a.places.size() == b.places.size());
+    for (std::size_t i = 0; i < a.places.size(); ++i) {
+        CHECK(a.places[i].name == b.places[i].name);
+        CHECK(a.places[i].part == b.places[i].part);
+        CHECK(a.places[i].accelerometer == b.places[i].accelerometer);
+        CHECK(a.places[i].position == b.places[i].position);
+        CHECK(a.places[i].rotation == b.places[i].rotation);
+        CHECK(a.places[i].noise == b.places[i].noise);
+        CHECK(a.places[i].columns == b.places[i].columns);
+    }
 }
 
 }  // namespace
@@ -143,6 +153,12 @@ TEST_CASE("every key lands in its place") {
     CHECK(model.sensors[0].delay == 1e-4);
     CHECK(model.sensors[1].channel == "fixed.right");
     CHECK(model.sensors[1].rotation == Vector3d(0, 0.01, -0.02));
+    REQUIRE(model.places.size() == 2);
+    CHECK(model.places[0].name == "top");
+    CHECK(!model.places[0].accelerometer);
+    CHECK(model.places[0].position == Vector3d(0.01, 0.02, 0.3));
+    CHECK(model.places[0].columns[2] == "M1 Z [mm]");
+    CHECK(model.places[1].part == Part::fixed);
 }
 
 TEST_CASE("what is written reads back to the same model") {

@@ -4,6 +4,7 @@
 
 #include "models/error.hpp"
 #include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "tests/recording/temporary_file.hpp"
 
 using namespace wems;
@@ -88,7 +89,7 @@ TEST_CASE("What is no text file is refused by name") {
                      "ELF\x02\x01\x00\x00",
                      8),
          "binary"},
-        {"\xFF\xFEt\x01", "UTF-16"},
+        {std::string("\xFF\xFEt\0a\0", 6), "there is no time column"},
         {"\x1F\x8B\x08", "compressed"},
         {"PK\x03\x04", "compressed or a spreadsheet"},
         {"", "the file is empty"},

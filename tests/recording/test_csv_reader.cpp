@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "tests/recording/temporary_file.hpp"
 
 using namespace wems;
@@ -38,6 +39,19 @@ TEST_CASE("Every dialect of the same table gives the same recording") {
     const auto recording = parseRecording(text, "run.csv");
     checkValues(recording);
     CHECK(recording.warnings.empty());
+}
+
+TEST_CASE("Spreadsheets' UTF-16, of either byte order") {
+    const std::string plain = "time [s]\tmobile.1.x [mm]\tload.fz [kN]\r\n0\t0,5\t1,5\r\n0,5\t-1,25\t0\r\n1\t2\t-1\r\n";
+    for (const bool little : {true, false}) {
+        std::string text = little ? "\xFF\xFE" : "\xFE\xFF";
+        for (const char c : plain) {
+            if (!little) text += '\0';
+            text += c;
+            if (little) text += '\0';
+        }
+        checkValues(parseRecording(text, "run.csv"));
+    }
 }
 
 TEST_CASE("Columns between, before and after the channels are skipped, whatever they hold") {

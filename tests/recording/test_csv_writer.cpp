@@ -7,6 +7,7 @@
 #include "models/error.hpp"
 #include "models/recording/csv_reader.hpp"
 #include "models/recording/csv_writer.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "tests/recording/temporary_file.hpp"
 
 using namespace wems;
@@ -75,7 +76,7 @@ TEST_CASE("Random recordings read back equal to the digits printed, in every dia
     std::mt19937 random(seed);
     const Recording recording = makeRandomRecording(random);
     const test::TemporaryFile file;
-    writeRecording(recording, file.path(), 9);
+    writeCsv(recording, file.path(), 9);
     const Recording back = parseRecording(toDialect(file.read(), dialect), "run.csv");
     CHECK(back.metadata == recording.metadata);
     REQUIRE(back.sampleCount() == recording.sampleCount());
@@ -92,7 +93,7 @@ TEST_CASE("Random recordings read back equal to the digits printed, in every dia
     }
     // What is printed is read and printed again without any change.
     const test::TemporaryFile again;
-    writeRecording(back, again.path(), 9);
+    writeCsv(back, again.path(), 9);
     if (dialect == 0) CHECK(again.read() == file.read());
 }
 
@@ -101,7 +102,7 @@ TEST_CASE("With 17 digits in SI units nothing is lost") {
     Recording recording = makeRandomRecording(random);
     for (auto& channel : recording.channels) channel.unit.clear();
     const test::TemporaryFile file;
-    writeRecording(recording, file.path(), 17);
+    writeCsv(recording, file.path(), 17);
     const Recording back = readRecording(file.path());
     CHECK(back.time == recording.time);
     for (std::size_t j = 0; j < recording.channels.size(); ++j)
@@ -114,7 +115,7 @@ TEST_CASE("The text itself") {
     recording.time = {0, 0.5, 1};
     recording.channels = {{"mobile.1.x", "mm", {1e-3, std::nan(""), -2.5e-3}, 0}, {"load.fz", "", {0, 1e6, 1e-7}, 0}};
     const test::TemporaryFile file;
-    writeRecording(recording, file.path());
+    writeCsv(recording, file.path());
     CHECK(file.read() ==
           "# note: two lines\ntime [s],mobile.1.x [mm],load.fz [N]\n0,1,0\n0.5,,1000000\n1,-2.5,1e-07\n");
 }
@@ -126,15 +127,15 @@ TEST_CASE("What cannot be written leaves the older file as it was") {
     recording.channels = {{"mobile.1.x", "mm", {1, 2}, 0}};
     SECTION("unknown unit") {
         recording.channels[0].unit = "furlong";
-        CHECK_THROWS_AS(writeRecording(recording, file.path()), InputError);
+        CHECK_THROWS_AS(writeCsv(recording, file.path()), InputError);
     }
     SECTION("lengths differ") {
         recording.channels[0].values.push_back(3);
-        CHECK_THROWS_AS(writeRecording(recording, file.path()), std::invalid_argument);
+        CHECK_THROWS_AS(writeCsv(recording, file.path()), std::invalid_argument);
     }
     SECTION("infinite value, found halfway") {
         recording.channels[0].values[1] = std::numeric_limits<double>::infinity();
-        CHECK_THROWS_AS(writeRecording(recording, file.path()), std::invalid_argument);
+        CHECK_THROWS_AS(writeCsv(recording, file.path()), std::invalid_argument);
     }
     CHECK(file.read() == "older");
     for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(file.path()).parent_path()))
@@ -142,5 +143,5 @@ TEST_CASE("What cannot be written leaves the older file as it was") {
 }
 
 TEST_CASE("A folder that is not there") {
-    CHECK_THROWS_AS(writeRecording({}, "/no/such/folder/run.csv"), InputError);
+    CHECK_THROWS_AS(writeCsv({}, "/no/such/folder/run.csv"), InputError);
 }

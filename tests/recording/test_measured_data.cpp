@@ -6,7 +6,7 @@
 #include "models/mount_model.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/connection_checks.hpp"
-#include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "tests/recording/temporary_file.hpp"
 
 using namespace wems;

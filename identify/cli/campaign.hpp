@@ -1,0 +1,34 @@
+/// @file
+/// Commands on a test of several runs (`--test campaign.toml`).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/cli/command.hpp"
+#include "models/mount_model.hpp"
+#include "models/recording/recording.hpp"
+#include "models/test_campaign.hpp"
+
+namespace wems::identify::cli {
+
+/// What a command needs to know of its runs, from the command line or from a test file.
+struct RunSelection {
+    std::vector<std::string> recordings, validation;
+    std::string model;
+    std::string test;  ///< --test FILE; empty without
+};
+
+/// Fills what the test file says into `selection` and `common`; the command line goes before it.
+/// @throws InputError: recordings both ways or neither, no model
+std::optional<TestCampaign> resolveRuns(RunSelection& selection, CommonOptions& common);
+
+/// Error of a model on one validation run: of its free simulation, relative to the measured relative displacement.
+struct ValidationError {
+    std::string file;
+    double error = 0;
+};
+std::vector<ValidationError> validateModel(const MountModel& model, const std::vector<Recording>& recordings);
+
+}  // namespace wems::identify::cli

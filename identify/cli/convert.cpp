@@ -1,0 +1,55 @@
+// identify convert: a recording from any format that is read to any that is written.
+#include <iostream>
+#include <memory>
+
+#include "identify/cli/command.hpp"
+#include "identify/cli/recordings.hpp"
+#include "models/recording/recording_reader.hpp"
+#include "models/recording/recording_writer.hpp"
+
+namespace wems::identify::cli {
+namespace {
+
+struct ConvertOptions {
+    std::string input, output, model, column_map;
+    int digits = 9;
+};
+
+void run(const ConvertOptions& options) {
+    WriteOptions write;
+    write.digits = options.digits;
+    if (!options.model.empty()) {
+        const MountModel model = readMountModel(options.model);
+        for (const Connection& connection : model.connections) write.rest[connection.name] = connection.position;
+    }
+    const std::optional<ColumnMap> map = readOptionalMap(options.column_map);
+    const Recording recording = readRecording(options.input, map ? &*map : nullptr);
+    for (const auto& warning : recording.warnings)
+        std::cerr << "identify: " << recording.file << ": " << warning << "\n";
+    for (const auto& note : writeRecording(recording, options.output, write))
+        std::cerr << "identify: " << options.output << ": " << note << "\n";
+    std::cout << options.output << ": " << recording.channels.size() << " channels, " << recording.sampleCount()
+              << " samples from " << recording.format << "\n";
+    if (!recording.unused_columns.empty()) {
+        std::cout << "not a channel:";
+        for (const auto& column : recording.unused_columns) std::cout << " '" << column << "'";
+        std::cout << "\n";
+    }
+}
+
+}  // namespace
+
+void addConvertCommand(CLI::App& app, int& /*exit_status*/) {
+    auto* command = app.add_subcommand("convert", "Turn a recording into another format");
+    auto options = std::make_shared<ConvertOptions>();
+    command->add_option("input", options->input, "CSV, MATLAB (.mat), UFF 58 (.uff, .unv), OpenSim (.trc, .sto, .mot)")
+        ->required();
+    command->add_option("output", options->output, ".csv, .trc, .sto or .mot")->required();
+    command->add_option("--columns", options->column_map, "TOML that maps your column names to channel names");
+    command->add_option("--model", options->model, "mount model: markers in .trc stand where its connections are");
+    command->add_option("--digits", options->digits, "significant digits of values")->check(CLI::Range(1, 17));
+    command->footer("Example:\n  identify convert shaker.mat run.csv --columns map.toml");
+    command->callback([options] { run(*options); });
+}
+
+}  // namespace wems::identify::cli

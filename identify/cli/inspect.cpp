@@ -1,0 +1,119 @@
+// identify inspect: what is in a recording, what is suspicious, what can be identified from it.
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "identify/cli/command.hpp"
+#include "identify/cli/inspect_report.hpp"
+#include "identify/cli/recordings.hpp"
+#include "identify/inspect/inspection.hpp"
+#include "models/recording/recording_reader.hpp"
+
+namespace wems::identify::cli {
+namespace {
+
+struct InspectOptions {
+    CommonOptions common;
+    std::vector<std::string> recordings;
+    std::string model;
+    bool strict = false;
+};
+
+nlohmann::json numberOrNull(double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+nlohmann::json makeChannelJson(const ChannelStatistics& channel) {
+    return {{"name", channel.name},
+            {"unit", channel.unit},
+            {"rms", channel.rms},
+            {"mean", channel.mean},
+            {"lowest", channel.lowest},
+            {"highest", channel.highest},
+            {"noise", numberOrNull(channel.noise)},
+            {"signal_to_noise_db", numberOrNull(channel.signal_to_noise)},
+            {"band", {channel.band_from, channel.band_to}}};
+}
+
+nlohmann::json makeOrdersJson(const OrderTracking& orders) {
+    auto tracks = nlohmann::json::array();
+    for (const OrderTrack& track : orders.tracks) {
+        auto list = nlohmann::json::array();
+        for (int order = 0; order < tracked_orders; ++order) {
+            auto amplitude = nlohmann::json::array(), phase = nlohmann::json::array();
+            for (Eigen::Index p = 0; p < track.amplitude.cols(); ++p) {
+                amplitude.push_back(numberOrNull(track.amplitude(order, p)));
+                phase.push_back(numberOrNull(track.phase(order, p)));
+            }
+            list.push_back({{"order", order + 1}, {"amplitude", amplitude}, {"phase", phase}});
+        }
+        tracks.push_back({{"channel", track.channel}, {"orders", list}});
+    }
+    return {{"time", orders.time}, {"frequency", orders.hertz}, {"reference", orders.reference}, {"channels", tracks}};
+}
+
+nlohmann::json makeJson(const Inspection& inspection, const Recording& recording) {
+    auto channels = nlohmann::json::array(), findings = nlohmann::json::array();
+    for (const ChannelStatistics& channel : inspection.channels) channels.push_back(makeChannelJson(channel));
+    for (const Finding& finding : inspection.findings)
+        findings.push_back({{"kind", kindName(finding.kind)},
+                            {"channel", finding.channel},
+                            {"row", finding.row},
+                            {"time", finding.time},
+                            {"message", finding.message}});
+    const SweptFrequency& swept = inspection.swept;
+    return {{"file", recording.file},
+            {"format", recording.format},
+            {"samples", recording.sampleCount()},
+            {"rate", inspection.rate},
+            {"duration", inspection.duration},
+            {"drive", {{"source", swept.source}, {"is_sine", swept.is_sine}, {"band", {swept.lowest, swept.highest}}}},
+            {"metadata", recording.metadata},
+            {"unused_columns", recording.unused_columns},
+            {"channels", channels},
+            {"orders", makeOrdersJson(inspection.orders)},
+            {"findings", findings},
+            {"abilities", inspection.abilities},
+            {"notes", inspection.notes},
+            {"warnings", recording.warnings}};
+}
+
+Inspection inspectOne(const std::string& file, const ColumnMap* map, const MountModel* model, Recording& recording) {
+    recording = readRecording(file, map);
+    return inspect(recording, model);
+}
+
+void run(const InspectOptions& options, int& exit_status) {
+    std::optional<MountModel> model;
+    if (!options.model.empty()) model = readDeviceModel(options.model, options.common.geometry);
+    const std::optional<ColumnMap> map =
+        model ? readDeviceMap(options.common.column_map, *model) : readOptionalMap(options.common.column_map);
+    auto results = nlohmann::json::array();
+    InspectReport report;
+    for (const std::string& file : options.recordings) {
+        Recording recording;
+        const Inspection inspection = inspectOne(file, map ? &*map : nullptr, model ? &*model : nullptr, recording);
+        if (options.common.json_file != "-") std::cout << formatInspection(inspection, recording);
+        results.push_back(makeJson(inspection, recording));
+        if (!options.common.report_file.empty()) report.add(inspection, recording);
+        if (options.strict && !inspection.findings.empty()) exit_status = 1;
+    }
+    writeJson({{"recordings", results}}, options.common);
+    if (!options.common.report_file.empty()) report.write(options.common.report_file);
+}
+
+}  // namespace
+
+void addInspectCommand(CLI::App& app, int& exit_status) {
+    auto* command = app.add_subcommand("inspect", "Show what is in recordings and what is suspicious about them");
+    auto options = std::make_shared<InspectOptions>();
+    command->add_option("recordings", options->recordings, "recordings (CSV, MATLAB, UFF 58, OpenSim)")->required();
+    command->add_option("--model", options->model, "mount model: also finds missing and exchanged connections");
+    command->add_flag("--strict", options->strict, "exit status 1 if anything is suspicious");
+    addCommonOptions(*command, options->common);
+    addGeometryOption(*command, options->common);
+    command->footer("Example:\n  identify inspect run1.csv run2.mat --model mount.toml --report runs.html");
+    command->callback([options, &exit_status] { run(*options, exit_status); });
+}
+
+}  // namespace wems::identify::cli

@@ -1,0 +1,34 @@
+/// @file
+/// An inspection for readers: on the terminal, and as a page with pictures.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "identify/inspect/inspection.hpp"
+
+namespace wems {
+class HtmlReport;
+}
+
+namespace wems::identify::cli {
+
+/// Tables and sentences for the terminal.
+std::string formatInspection(const Inspection& inspection, const Recording& recording);
+
+/// One page for all recordings: tables, levels against frequency, phase along the sweep.
+class InspectReport {
+public:
+    InspectReport();
+    ~InspectReport();
+    InspectReport(const InspectReport&) = delete;
+    InspectReport& operator=(const InspectReport&) = delete;
+
+    void add(const Inspection& inspection, const Recording& recording);
+    void write(const std::string& file) const;
+
+private:
+    std::unique_ptr<HtmlReport> page_;
+};
+
+}  // namespace wems::identify::cli

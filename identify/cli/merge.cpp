@@ -1,0 +1,59 @@
+// identify merge: recordings of one run made by several systems as one recording.
+#include "identify/merge/merge.hpp"
+
+#include <iostream>
+#include <memory>
+
+#include "identify/cli/command.hpp"
+#include "identify/cli/recordings.hpp"
+#include "models/error.hpp"
+#include "models/recording/recording_reader.hpp"
+#include "models/recording/recording_writer.hpp"
+
+namespace wems::identify::cli {
+namespace {
+
+struct Options {
+    std::vector<std::string> inputs, maps;
+    std::string output;
+    MergeOptions merge;
+};
+
+void run(const Options& options) {
+    if (!options.maps.empty() && options.maps.size() != 1 && options.maps.size() != options.inputs.size())
+        throw InputError({"", 0, "--columns"}, "there are " + std::to_string(options.maps.size()) + " column maps",
+                         "one for all recordings, or one for each");
+    std::vector<Recording> recordings;
+    for (std::size_t i = 0; i < options.inputs.size(); ++i) {
+        const std::string file = options.maps.empty() ? "" : options.maps[options.maps.size() == 1 ? 0 : i];
+        const std::optional<ColumnMap> map = readOptionalMap(file);
+        recordings.push_back(readRecording(options.inputs[i], map ? &*map : nullptr));
+    }
+    const Recording merged = merge(recordings, options.merge);
+    for (const Recording& recording : recordings)
+        for (const auto& warning : recording.warnings) std::cerr << recording.file << ": " << warning << "\n";
+    for (const auto& note : merged.warnings) std::cout << note << "\n";
+    for (const auto& note : writeRecording(merged, options.output)) std::cerr << "identify: " << note << "\n";
+    std::cout << options.output << ": " << merged.channels.size() << " channels, " << merged.sampleCount()
+              << " samples at " << formatNumber(1 / merged.sampleInterval(), 6) << " Hz from "
+              << formatNumber(merged.time.front(), 6) << " s\n";
+}
+
+}  // namespace
+
+void addMergeCommand(CLI::App& app, int& /*exit_status*/) {
+    auto* command = app.add_subcommand("merge", "Put recordings of one run by several systems together");
+    auto options = std::make_shared<Options>();
+    command->add_option("recordings", options->inputs, "recordings; the clock of the first one counts")
+        ->required()
+        ->expected(2, 64);
+    command->add_option("-o,--output", options->output, "recording to write: .csv, .trc, .sto, .mot")->required();
+    command->add_option("--common", options->merge.common,
+                        "channel that all have, such as load.fz: aligns them by correlation; absent: stamps are right");
+    command->add_option("--rate", options->merge.rate, "Hz; absent: the lowest of all")->check(CLI::PositiveNumber);
+    command->add_option("--columns", options->maps, "column map for all recordings, or one for each")->expected(1, 64);
+    command->footer("Example:\n  identify merge shaker.csv cameras.trc -o run.csv --common fixed.1.z");
+    command->callback([options] { run(*options); });
+}
+
+}  // namespace wems::identify::cli

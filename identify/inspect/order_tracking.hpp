@@ -1,0 +1,33 @@
+/// @file
+/// Amplitude and phase of the first harmonics along a sweep.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "identify/motion/swept_frequency.hpp"
+#include "models/recording/recording.hpp"
+
+namespace wems::identify {
+
+constexpr int tracked_orders = 3;
+
+struct OrderTrack {
+    std::string channel;
+    Eigen::MatrixXd amplitude;  ///< orders x points, SI; NaN where the window is too short
+    Eigen::MatrixXd phase;      ///< orders x points, rad, order n against n times the drive's first order
+};
+
+struct OrderTracking {
+    std::vector<double> time, hertz;  ///< of the points
+    std::string reference;            ///< channel whose first order has phase 0: the drive's strongest
+    std::vector<OrderTrack> tracks;
+};
+
+/// At points evenly spaced in log frequency (for a sweep) the least-squares fit of a mean and `tracked_orders`
+/// harmonics of the swept phase 2π∫f dt over five periods around. Empty unless the drive is a sine.
+/// Vold–Kalman filters and the like serve order tracking where orders cross; one sine at a time needs none.
+OrderTracking trackOrders(const Recording& recording, const SweptFrequency& swept, int points = 120);
+
+}  // namespace wems::identify

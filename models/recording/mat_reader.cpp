@@ -1,0 +1,193 @@
+#include "models/recording/mat_reader.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "models/error.hpp"
+#include "models/format_number.hpp"
+#include "models/recording/hdf5_file.hpp"
+#include "models/recording/mat_file.hpp"
+
+namespace wems {
+namespace {
+
+using Kind = MatValue::Kind;
+
+bool isVector(const MatValue& value) {
+    return value.kind == Kind::numbers && value.numbers.size() > 1 && (value.rows == 1 || value.columns == 1);
+}
+
+bool contains(const std::string& name, std::initializer_list<const char*> words) {
+    std::string lower = name;
+    std::transform(lower.begin(), lower.end(), lower.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return std::any_of(words.begin(), words.end(),
+                       [&](const char* word) { return lower.find(word) != std::string::npos; });
+}
+
+/// The strings of a cell array of strings or of a character matrix; empty for anything else.
+std::vector<std::string> listTexts(const MatValue& value) {
+    if (value.kind == Kind::text) return value.texts;
+    std::vector<std::string> texts;
+    if (value.kind != Kind::cells) return texts;
+    for (const auto& element : value.elements) {
+        const bool empty = element.kind == Kind::other || element.numbers.empty();
+        if (element.kind == Kind::text && element.texts.size() == 1) {
+            texts.push_back(element.texts.front());
+        } else if (empty && element.texts.empty()) {
+            texts.emplace_back();
+        } else {
+            return {};
+        }
+    }
+    return texts;
+}
+
+/// `mobile_1_x` as `mobile.1.x`, if that is a channel.
+std::string withPoints(const std::string& name) {
+    const auto first = name.find('_'), last = name.rfind('_');
+    if (first == std::string::npos || name.find('.') != std::string::npos) return name;
+    std::string pointed = name;
+    pointed[first] = pointed[last] = '.';
+    return parseChannelName(pointed) ? pointed : name;
+}
+
+const MatValue* findFirst(const MatValue& element, std::initializer_list<const char*> names) {
+    for (const char* name : names) {
+        if (const MatValue* found = element.find(name)) return found;
+    }
+    return nullptr;
+}
+
+std::string textOf(const MatValue* value) {
+    return value != nullptr && value->kind == Kind::text && value->texts.size() == 1 ? value->texts.front()
+                                                                                     : std::string();
+}
+
+class TableMaker {
+public:
+    explicit TableMaker(RecordingTable& table) : table_(table) {}
+
+    void addContainer(const MatValue& container, const std::string& path) {
+        const MatValue* data = findFirst(container, {"data", "Data", "values", "Values", "value", "y", "Y"});
+        const std::string label =
+            textOf(findFirst(container, {"name", "Name", "label", "Label", "title", "Title", "channel", "Channel"}));
+        const std::string unit = textOf(findFirst(container, {"unit", "Unit", "units", "Units"}));
+        for (const auto& [name, value] : container.fields) {
+            const std::string full = path.empty() ? name : path + "." + name;
+            if (&value == data && isVector(value)) {
+                OfferedColumn column{label.empty() ? (path.empty() ? full : path) : label, {}, {full}};
+                if (!unit.empty()) column.unit = unit;
+                addColumn(std::move(column), value.numbers);
+            } else {
+                addValue(value, full, container);
+            }
+        }
+    }
+
+private:
+    void addValue(const MatValue& value, const std::string& path, const MatValue& container) {
+        switch (value.kind) {
+            case Kind::numbers:
+                addNumbers(value, path, container);
+                break;
+            case Kind::text:
+                if (value.texts.size() == 1) table_.metadata[path] = value.texts.front();
+                break;
+            case Kind::structs:
+                for (std::size_t i = 0; i < value.elements.size(); ++i)
+                    addContainer(value.elements[i],
+                                 value.elements.size() == 1 ? path : path + "(" + std::to_string(i + 1) + ")");
+                break;
+            case Kind::cells:
+                for (std::size_t i = 0; i < value.elements.size(); ++i) {
+                    if (value.elements[i].kind == Kind::text) continue;
+                    addValue(value.elements[i], path + "{" + std::to_string(i + 1) + "}", container);
+                }
+                break;
+            case Kind::other:
+                unread_.push_back(path);
+                break;
+        }
+    }
+
+    void addNumbers(const MatValue& value, const std::string& path, const MatValue& container) {
+        if (value.numbers.size() == 1) table_.metadata[path] = formatNumber(value.numbers.front(), 12);
+        if (value.numbers.size() < 2) return;
+        if (isVector(value)) {
+            addColumn({path, {}, {}}, value.numbers);
+            return;
+        }
+        const bool down = value.rows >= value.columns;  // samples run down the columns
+        const std::size_t channels = down ? value.columns : value.rows, samples = down ? value.rows : value.columns;
+        const auto names =
+            findList(container, value, channels, {"name", "label", "channel", "header", "legend", "columns"});
+        const auto units = findList(container, value, channels, {"unit"});
+        for (std::size_t j = 0; j < channels; ++j) {
+            std::vector<double> numbers(samples);
+            for (std::size_t i = 0; i < samples; ++i)
+                numbers[i] = value.numbers[down ? j * samples + i : i * channels + j];
+            std::string numbered = path;
+            numbered.append(".").append(std::to_string(j + 1));
+            OfferedColumn column{names.empty() || names[j].empty() ? numbered : names[j], {}, {numbered}};
+            if (!units.empty() && !units[j].empty()) column.unit = units[j];
+            addColumn(std::move(column), std::move(numbers));
+        }
+    }
+
+    /// A list of `count` texts beside `value` whose name has one of `words` in it.
+    static std::vector<std::string> findList(const MatValue& container, const MatValue& value, std::size_t count,
+                                             std::initializer_list<const char*> words) {
+        for (const auto& [name, sibling] : container.fields) {
+            if (&sibling == &value || !contains(name, words)) continue;
+            auto texts = listTexts(sibling);
+            if (texts.size() == count) return texts;
+        }
+        return {};
+    }
+
+    void addColumn(OfferedColumn column, std::vector<double> values) {
+        const std::string pointed = withPoints(column.text);
+        if (pointed != column.text) {
+            column.aliases.push_back(column.text);
+            column.text = pointed;
+        }
+        table_.columns.push_back(std::move(column));
+        table_.values.push_back(std::move(values));
+    }
+
+public:
+    void finish() {
+        for (const auto& path : unread_)
+            table_.warnings.push_back(path + " is complex, sparse, an object or empty, and is not read");
+    }
+
+private:
+    RecordingTable& table_;
+    std::vector<std::string> unread_;
+};
+
+}  // namespace
+
+RecordingTable readMat(const std::string& file, bool hdf5) {
+    const MatFile content = hdf5 ? readHdf5File(file) : readMatFile(file);
+    RecordingTable table;
+    table.file = file;
+    table.format = content.version;
+    table.missing_unit = MissingUnit::own_names;
+    TableMaker maker(table);
+    const MatValue& first = content.root.fields.front().second;
+    if (content.root.fields.size() == 1 && first.kind == Kind::structs && first.elements.size() == 1) {
+        maker.addContainer(first.elements.front(), "");
+    } else {
+        maker.addContainer(content.root, "");
+    }
+    maker.finish();
+    if (table.columns.empty())
+        throw InputError({file, 0, {}}, "holds no numeric vector or matrix that can be read",
+                         "numeric arrays and structures; MATLAB's table and timeseries objects must be saved as "
+                         "structures or arrays");
+    return table;
+}
+
+}  // namespace wems

@@ -1,0 +1,23 @@
+/// @file
+/// MATLAB files, versions 4, 5 (to 7) and 7.3, and other HDF5 files.
+///
+/// Every numeric vector is a column, called as MATLAB calls it: `az`, `run.az`, `channel(3).data`; where the file holds
+/// nothing but one structure its own name is left out. A matrix gives a column for each channel along its longer side
+/// `data.1`, `data.2` …, or called by a list of as many names beside it (`names`, `labels`, `channels`, `headers`,
+/// `colheaders`), with a list of `units` likewise. A structure that holds `data` (or `values`, `value`, `y`) and a
+/// `name` (or `label`, `title`) is a column of that name, its unit from `unit` or `units`. Since MATLAB's names have no
+/// points, `mobile_1_x` is read as `mobile.1.x`. Without units, a column that bears a channel's name is SI; one that
+/// the column map names needs its unit there. Texts and scalars become metadata.
+#pragma once
+
+#include <string>
+
+#include "models/recording/recording_table.hpp"
+
+namespace wems {
+
+/// @param hdf5 true for version 7.3 and other HDF5 files
+/// @throws InputError
+RecordingTable readMat(const std::string& file, bool hdf5);
+
+}  // namespace wems

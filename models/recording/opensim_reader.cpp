@@ -1,0 +1,145 @@
+#include "models/recording/opensim_reader.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "models/error.hpp"
+#include "models/recording/line_cursor.hpp"
+
+namespace wems {
+namespace {
+
+constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
+
+std::string_view trimLine(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t\r");
+    return first == std::string_view::npos ? std::string_view{}
+                                           : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// The table of marker names under the four lines of a .trc header.
+void readMarkerNames(LineCursor& lines, const std::string& unit, RecordingTable& table) {
+    const auto names = splitFields(lines.take());
+    table.header_row = lines.line();
+    if (names.size() < 3 || names[0] != "Frame#" || names[1] != "Time")
+        throw InputError({table.file, lines.line(), {}}, "the row of marker names does not begin with Frame# and Time",
+                         "Frame#, Time, then each marker's name followed by two empty fields");
+    table.columns = {{"frame", std::string("-"), {}}, {"time", std::string("s"), {"Time"}}};
+    for (std::size_t i = 2; i < names.size(); ++i) {
+        if (names[i].empty()) continue;
+        const std::string marker(names[i]);
+        for (const char* axis : kAxes) {
+            const std::string upper(1, static_cast<char>(*axis - 'a' + 'A'));
+            table.columns.push_back({marker + "." + axis, unit, {marker + "_" + axis, marker + "_" + upper}});
+        }
+    }
+    lines.take();  // X1 Y1 Z1 …
+}
+
+/// Labels of a storage file, each as many columns as an element of its type has numbers.
+void readLabels(std::string_view line, const std::string& type, RecordingTable& table) {
+    std::size_t numbers = 1;
+    bool vector = false;
+    if (type == "Vec3") {
+        numbers = 3;
+        vector = true;
+    } else if (type == "Quaternion") {
+        numbers = 4;
+    } else if (type == "SpatialVec" || type == "Vec6") {
+        numbers = 6;
+    } else if (!type.empty() && type != "double") {
+        throw InputError({table.file, 0, "DataType"}, "'" + type + "' is not read",
+                         "double, Vec3, Quaternion, SpatialVec, Vec6");
+    }
+    for (const auto field : splitFields(line)) {
+        if (field.empty()) continue;
+        const std::string label(field);
+        if (table.columns.empty() || numbers == 1) {
+            table.columns.push_back({label, {}, {}});
+            continue;
+        }
+        for (std::size_t k = 0; k < numbers; ++k)
+            table.columns.push_back({label + "." + (vector ? kAxes.at(k) : std::to_string(k + 1)), {}, {}});
+    }
+    if (table.columns.size() < 2)
+        throw InputError({table.file, table.header_row, {}}, "there are no column labels after endheader",
+                         "time and other labels, separated by tabs");
+}
+
+/// Our own writer says that everything is SI.
+void stateUnits(RecordingTable& table) {
+    for (OfferedColumn& column : table.columns) {
+        const auto channel = parseChannelName(column.text);
+        if (channel) column.unit = siUnit(findQuantity(*channel));
+        if (column.text == "time") column.unit = siUnit(Quantity::time);
+    }
+}
+
+}  // namespace
+
+bool isTrc(std::string_view text) {
+    return text.substr(0, 12) == "PathFileType";
+}
+
+bool isStorage(std::string_view text) {
+    LineCursor lines(text.substr(0, 65536));
+    for (int i = 0; i < 200 && !lines.atEnd(); ++i) {
+        if (trimLine(lines.take()) == "endheader") return true;
+    }
+    return false;
+}
+
+RecordingTable readTrc(std::string_view text, const std::string& file) {
+    RecordingTable table;
+    table.file = file;
+    table.format = "OpenSim .trc";
+    table.positions = true;
+    LineCursor lines(text);
+    const auto path = splitFields(lines.take());
+    if (path.size() >= 3 && path[2] != "(X/Y/Z)")
+        throw InputError({file, 1, "PathFileType"}, "the order of the axes is '" + std::string(path[2]) + "'",
+                         "(X/Y/Z)");
+    const auto keys = splitFields(lines.take());
+    const auto settings = splitFields(lines.take());
+    std::string unit;
+    for (std::size_t i = 0; i < std::min(keys.size(), settings.size()); ++i) {
+        table.metadata[std::string(keys[i])] = std::string(settings[i]);
+        if (keys[i] == "Units") unit = settings[i];
+    }
+    if (unit.empty()) throw InputError({file, lines.line(), "Units"}, "the header states no unit", "m, mm");
+    readMarkerNames(lines, unit, table);
+    while (!lines.atEnd() && trimLine(lines.rest().substr(0, lines.rest().find('\n'))).empty()) lines.take();
+    table.first_row = lines.line() + 1;
+    if (lines.atEnd()) throw InputError({file, lines.line(), {}}, "no data rows after the header");
+    table.values = readNumberRows(lines, table.columns.size(), file);
+    return table;
+}
+
+RecordingTable readStorage(std::string_view text, const std::string& file) {
+    RecordingTable table;
+    table.file = file;
+    table.format = "OpenSim .sto";
+    table.missing_unit = MissingUnit::si;
+    LineCursor lines(text);
+    std::string type;
+    for (;;) {
+        if (lines.atEnd()) throw InputError({file, 0, {}}, "there is no line `endheader`");
+        const auto line = trimLine(lines.take());
+        if (line == "endheader") break;
+        const auto equals = line.find('=');
+        if (equals == std::string_view::npos) continue;
+        const std::string key(trimLine(line.substr(0, equals)));
+        table.metadata[key] = std::string(trimLine(line.substr(equals + 1)));
+        if (key == "DataType") type = table.metadata[key];
+    }
+    std::string_view labels;
+    while (!lines.atEnd() && trimLine(labels).empty()) labels = lines.take();
+    table.header_row = lines.line();
+    readLabels(labels, type, table);
+    if (table.metadata["units"] == "SI") stateUnits(table);
+    table.first_row = lines.line() + 1;
+    table.values = readNumberRows(lines, table.columns.size(), file);
+    return table;
+}
+
+}  // namespace wems

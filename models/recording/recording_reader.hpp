@@ -1,0 +1,19 @@
+/// @file
+/// Recordings from files of any format that is read: CSV, MATLAB 5 and 7.3 (HDF5), universal file 58, OpenSim .trc,
+/// .sto, .mot.
+#pragma once
+
+#include <string>
+
+#include "models/recording/column_map.hpp"
+#include "models/recording/recording.hpp"
+
+namespace wems {
+
+/// Finds the format from the content, converts to SI, checks and repairs (recording_checks.hpp); every value of the
+/// result is finite and time strictly increases. What was found odd or repaired stands in `warnings`.
+/// @param map the laboratory's own column names, may be null
+/// @throws InputError with file, row and column name.
+Recording readRecording(const std::string& file, const ColumnMap* map = nullptr);
+
+}  // namespace wems

@@ -1,0 +1,116 @@
+#include "models/recording/recording_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "models/error.hpp"
+#include "models/recording/recording_checks.hpp"
+
+namespace wems {
+namespace {
+
+/// Empty fields are left to the repair, but for time.
+void checkValues(const std::vector<double>& values, const std::string& name, const Recording& recording) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const InputLocation location{recording.file, recording.first_row + static_cast<long>(i), name};
+        if (std::isinf(values[i])) throw InputError(location, "the value is not finite");
+        if (name == "time" && std::isnan(values[i])) throw InputError(location, "the row has no time");
+    }
+}
+
+std::string joinNames(const std::vector<std::string>& names) {
+    std::string text;
+    for (std::size_t i = 0; i < names.size() && i < 4; ++i) text += (i > 0 ? ", " : "") + names[i];
+    return names.size() > 4 ? text + " and " + std::to_string(names.size() - 4) + " more" : text;
+}
+
+/// Takes the mean over the first `duration` seconds off every displacement channel; 0: the first value that is there.
+void takeRestOff(Recording& recording, double duration) {
+    double largest = 0;
+    for (auto& channel : recording.channels) {
+        const auto name = parseChannelName(channel.name);
+        if (!name || name->derivative != Derivative::displacement) continue;
+        double sum = 0, count = 0;
+        for (std::size_t i = 0; i < channel.values.size(); ++i) {
+            if (recording.time[i] - recording.time.front() > duration && count > 0) break;
+            if (std::isnan(channel.values[i])) continue;
+            sum += channel.values[i];
+            count += 1;
+        }
+        if (count == 0) continue;
+        for (double& value : channel.values) value -= sum / count;
+        largest = std::max(largest, std::abs(sum / count));
+    }
+    if (largest == 0) return;
+    char text[160];
+    if (duration > 0) {
+        std::snprintf(text, sizeof text,
+                      "displacements count from the mean position of the first %g s (up to %.4g m from the origin)",
+                      duration, largest);
+    } else {
+        std::snprintf(
+            text, sizeof text,
+            "displacements count from the position in the first row (up to %.4g m from the origin); `rest` in "
+            "the column map sets another",
+            largest);
+    }
+    recording.warnings.emplace_back(text);
+}
+
+}  // namespace
+
+void finishRecording(Recording& recording, const ColumnMap* map, bool positions) {
+    if (map != nullptr && !map->has_time) {
+        recording.time.resize(recording.channels.front().values.size());
+        for (std::size_t i = 0; i < recording.time.size(); ++i)
+            recording.time[i] = static_cast<double>(i) * map->sample_interval;
+    }
+    const RestPosition rest = map != nullptr ? map->rest : RestPosition{};
+    if (rest.kind == RestPosition::Kind::mean || (positions && rest.kind == RestPosition::Kind::by_format))
+        takeRestOff(recording, rest.duration);
+    recording.findings = repairAndCheck(recording);
+    for (const auto& finding : recording.findings) recording.warnings.push_back(finding.message);
+}
+
+Recording makeRecording(RecordingTable table, const ColumnMap* map) {
+    ColumnSelection selection = selectColumns(table.columns, table.file, table.header_row, map, table.missing_unit);
+    Recording recording;
+    recording.file = std::move(table.file);
+    recording.format = std::move(table.format);
+    recording.metadata = std::move(table.metadata);
+    recording.unused_columns = std::move(selection.unused);
+    recording.warnings = std::move(table.warnings);
+    recording.first_row = table.first_row;
+    if (!selection.without_unit.empty())
+        recording.warnings.push_back("the file states no unit of " + joinNames(selection.without_unit) +
+                                     "; SI is assumed");
+    const auto findLength = [&] {
+        for (const auto& column : selection.columns)
+            if (column.name == "time") return table.values[column.index].size();
+        return table.values[selection.columns.front().index].size();
+    };
+    const std::size_t length = findLength();
+    for (const auto& column : selection.columns) {
+        std::vector<double> values = std::move(table.values[column.index]);
+        if (values.size() != length) {
+            throw InputError({recording.file, 0, column.name},
+                             "has " + std::to_string(values.size()) + " values, the time has " + std::to_string(length),
+                             "channels of one length; a column map can choose among them, and `identify merge` puts "
+                             "recordings of different rates together");
+        }
+        for (double& value : values) value = column.scale * value + column.offset;
+        checkValues(values, column.name, recording);
+        if (column.name == "time") {
+            recording.time = std::move(values);
+        } else {
+            recording.channels.push_back(
+                {column.name, column.unit, std::move(values), static_cast<int>(column.index) + 1});
+        }
+    }
+    if (length == 0) throw InputError({recording.file, table.header_row, {}}, "there are no samples");
+    finishRecording(recording, map, table.positions);
+    return recording;
+}
+
+}  // namespace wems

@@ -1,0 +1,36 @@
+/// @file
+/// What the readers of the formats other than CSV hand over, and the last steps that all formats share.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "models/recording/column_selection.hpp"
+#include "models/recording/recording.hpp"
+
+namespace wems {
+
+/// A file's columns as they stand in it. All that are used must be of one length.
+struct RecordingTable {
+    std::string file, format;
+    std::map<std::string, std::string> metadata;
+    std::vector<OfferedColumn> columns;
+    std::vector<std::vector<double>> values;  ///< of each column; NaN where there is none
+    MissingUnit missing_unit = MissingUnit::error;
+    bool positions = false;  ///< displacement channels are positions: their rest is taken off
+    long header_row = 0;     ///< 0 if the file has no rows
+    long first_row = 1;      ///< of the first sample; the sample's number where the file has no rows
+    std::vector<std::string> warnings;
+};
+
+/// Selects, converts to SI, checks and repairs (recording_checks.hpp).
+/// @throws InputError
+Recording makeRecording(RecordingTable table, const ColumnMap* map);
+
+/// The last steps for a recording of SI values: the time where it is numbered, the rest position where the map (or the
+/// format) says that displacements are positions, checks and repairs. `time` must be filled unless the map says that
+/// there is none.
+void finishRecording(Recording& recording, const ColumnMap* map, bool positions);
+
+}  // namespace wems

@@ -1,0 +1,59 @@
+/// @file
+/// One dataset 58 of a universal file.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "models/recording/line_cursor.hpp"
+
+namespace wems {
+
+/// The numbers as the file writes them: fields of fixed width, by the columns of the format.
+struct UffFunction {
+    std::string id;              ///< first ID line
+    int function_type = 0;       ///< 1: time response
+    std::string entity;          ///< response entity; empty for NONE
+    long node = 0;               ///< response
+    int direction = 0;           ///< response: ±1 … ±3 translation x, y, z; ±4 … ±6 rotation; 0 scalar
+    int abscissa_kind = 0;       ///< 17: time, 18: frequency
+    int ordinate_kind = 0;       ///< 8 displacement, 11 velocity, 12 acceleration, 9 and 13 force
+    std::string unit;            ///< ordinate's unit label; empty for NONE
+    std::string abscissa_unit;   ///< likewise
+    double start = 0, step = 0;  ///< abscissa of even spacing
+    bool even = true;
+    bool complex = false;
+    std::vector<double> abscissa;  ///< of uneven spacing
+    std::vector<double> values;
+
+    bool isTimeResponse() const;
+    /// `12:+Z`
+    std::string name() const;
+    /// `acceleration`, from the ordinate's kind
+    std::string kind() const;
+    /// Abscissa of a point. The header gives an even step to six digits only: where a whole number of points per unit
+    /// rounds to the same digits, that is taken.
+    double time(std::size_t point) const;
+};
+
+/// How the numbers of a dataset are stored, from the line with its number.
+struct UffStorage {
+    bool binary = false;
+    bool big_endian = false;
+    int floating_format = 2;  ///< 2: IEEE 754
+    long bytes = 0;           ///< of the binary part
+};
+
+/// Reads from the line after the dataset's number up to the end of its numbers; the closing `-1` is left. Of what is no
+/// time response the numbers are not read.
+/// @throws InputError with file and line
+UffFunction readUffFunction(LineCursor& lines, const UffStorage& storage, const std::string& file);
+
+/// Characters `from` to `from + width` of `line` without outer spaces; empty beyond its end.
+std::string_view uffField(std::string_view line, std::size_t from, std::size_t width);
+/// The whole number in such a field; 0 if it is empty.
+/// @throws InputError
+long uffInteger(std::string_view line, std::size_t from, std::size_t width, const std::string& file, long line_number);
+
+}  // namespace wems

@@ -1,0 +1,109 @@
+// Damaged and misnamed files of the foreign formats: one line that says what is wrong, and never a crash.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "models/error.hpp"
+#include "models/recording/opensim_reader.hpp"
+#include "models/recording/recording_reader.hpp"
+#include "models/recording/uff_reader.hpp"
+#include "tests/recording/temporary_file.hpp"
+
+using namespace wems;
+using Catch::Contains;
+
+namespace {
+
+const std::string folder = std::string(WEMS_SOURCE_DIR) + "/tests/recording/data/";
+
+std::string load(const std::string& name) {
+    std::ifstream stream(folder + name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const auto at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+}
+
+struct Case {
+    std::string text, problem;
+};
+
+}  // namespace
+
+TEST_CASE("Damaged universal files are refused") {
+    const std::string good = load("pyuff_ascii.uff"), binary = load("pyuff_binary.uff");
+    const auto c = GENERATE_COPY(values<Case>({
+        {good.substr(0, 1369), "the file ends within a dataset 58"},
+        {good.substr(0, 900), "the file ends within"},
+        {binary.substr(0, 1370), "the file ends within the 256 bytes"},
+        {replaced(good, "8.46963710093e-01", "8.46963710093x-01"), "'8.46963710093x-01' is not a number"},
+        {replaced(good, "         4        32         1", "         3        32         1"), "3 is not a data type"},
+        {replaced(good, "         4        32         1", "         4 999999999         1"), "the file ends within"},
+        {replaced(good, "1.00000e-03", "0.00000e+00"), "the time step is not above zero"},
+        {replaced(binary, "    58b     1     2", "    58b     1     3"), "DEC or IBM"},
+        {"    -1\n   151\nsomething\n    -1\n", "there is no dataset 58"},
+    }));
+    INFO(c.problem);
+    CHECK_THROWS_WITH(readUniversalFile(c.text, "run.uff"), Contains("run.uff") && Contains(c.problem));
+}
+
+TEST_CASE("Damaged files of OpenSim are refused") {
+    const std::string trc = load("markers.trc"), sto = load("table.sto");
+    const auto c = GENERATE_COPY(values<Case>({
+        {replaced(trc, "(X/Y/Z)", "(Z/Y/X)"), "the order of the axes is '(Z/Y/X)'"},
+        {replaced(trc, "\tUnits", "\tUnit"), "the header states no unit"},
+        {replaced(trc, "Frame#", "Frame"), "does not begin with Frame#"},
+        {replaced(trc, "0.002000", "0.00x"), ":9: '0.00x', number 2 of the row, is not a number"},
+        {replaced(trc, "0.002000", "0.002000\t1\t2\t3"), "the row has more than the 8 numbers"},
+    }));
+    INFO(c.problem);
+    CHECK_THROWS_WITH(readTrc(c.text, "run.trc"), Contains("run.trc") && Contains(c.problem));
+    CHECK_THROWS_WITH(readStorage(replaced(sto, "DataType=double", "DataType=Rotation"), "run.sto"),
+                      Contains("'Rotation' is not read") && Contains("Vec3"));
+    CHECK_THROWS_WITH(readStorage(replaced(sto, "endheader", "end header"), "run.sto"),
+                      Contains("no line `endheader`"));
+}
+
+TEST_CASE("A name that promises another content") {
+    const test::TemporaryFile file("time [s],mobile.1.x [m]\n0,1\n1,2\n");
+    const auto extension = GENERATE(as<std::string>(), ".trc", ".sto", ".mot", ".uff", ".unv", ".mat", ".h5");
+    const std::string misnamed = file.path() + extension;
+    std::filesystem::copy_file(file.path(), misnamed);
+    CHECK_THROWS_WITH(readRecording(misnamed), Contains(misnamed));
+    std::filesystem::remove(misnamed);
+}
+
+TEST_CASE("Every cut and every flipped byte of a text format is read or refused") {
+    const auto name = GENERATE(as<std::string>(), "pyuff_ascii.uff", "pyuff_binary.uff", "markers.trc", "table.sto",
+                               "daq_preamble.csv");
+    const std::string good = load(name);
+    const unsigned seed = 20240607;
+    INFO(name << ", seed " << seed);
+    std::mt19937 random(seed);
+    int refused = 0;
+    for (int i = 0; i < 300; ++i) {
+        std::string bad = good;
+        const auto at = std::uniform_int_distribution<std::size_t>(0, good.size() - 1)(random);
+        if (i % 3 == 0) {
+            bad.resize(at);
+        } else {
+            bad[at] = static_cast<char>(std::uniform_int_distribution<int>(1, 255)(random));
+        }
+        const test::TemporaryFile file(bad.empty() ? " " : bad);
+        try {
+            const Recording recording = readRecording(file.path());
+            for (const auto& channel : recording.channels)
+                for (const double value : channel.values) REQUIRE(std::isfinite(value));
+        } catch (const InputError& error) {
+            ++refused;
+            CHECK(std::string(error.what()).find('\n') == std::string::npos);
+        }
+    }
+    CHECK(refused > 50);
+}

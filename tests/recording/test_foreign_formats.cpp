@@ -1,0 +1,165 @@
+// Files that other programs wrote, all of the same run (data/make_samples.py): the formulas are the expectation.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "models/error.hpp"
+#include "models/recording/recording_reader.hpp"
+
+using namespace wems;
+using Catch::Contains;
+
+namespace {
+
+const std::string folder = std::string(WEMS_SOURCE_DIR) + "/tests/recording/data/";
+
+double timeAt(int k) {
+    return k / 1000.0;
+}
+double zAt(int k) {
+    return 1.5e-3 * std::sin(0.3 * k);
+}
+double azAt(int k) {
+    return -0.25 * 9.80665 * std::cos(0.2 * k);
+}
+double fzAt(int k) {
+    return 200 * std::sin(0.1 * k);
+}
+
+void checkChannel(const Recording& recording, const std::string& name, double (*expected)(int), double tolerance) {
+    const Channel* channel = recording.find(name);
+    INFO(recording.file << ": " << name);
+    REQUIRE(channel != nullptr);
+    REQUIRE(channel->values.size() == 32);
+    for (int k = 0; k < 32; ++k)
+        CHECK(channel->values[static_cast<std::size_t>(k)] == Approx(expected(k)).margin(tolerance).epsilon(0));
+}
+
+void checkTime(const Recording& recording) {
+    REQUIRE(recording.time.size() == 32);
+    for (int k = 0; k < 32; ++k)
+        CHECK(recording.time[static_cast<std::size_t>(k)] == Approx(timeAt(k)).margin(1e-9).epsilon(0));
+}
+
+ColumnMap mapOf(const std::string& columns, const std::string& table = {}) {
+    return parseColumnMap("[columns]\n" + columns + "\n[table]\n" + table + "\n", "map.toml");
+}
+
+Recording read(const std::string& name, const std::string& columns = {}, const std::string& table = {}) {
+    if (columns.empty()) return readRecording(folder + name);
+    const ColumnMap map = mapOf(columns, table);
+    return readRecording(folder + name, &map);
+}
+
+const std::string lab_names =
+    "\"t\" = \"time\"\n\"LVDT top\" = \"mobile.1.z\"\nA1 = \"mobile.1.az\"\nForce = \"load.fz\"\n";
+
+struct Sample {
+    std::string file, format, columns;
+    double tolerance;  ///< of what the file's digits hold, relative to the amplitude
+};
+
+}  // namespace
+
+TEST_CASE("The same run out of every format") {
+    const auto nodes = std::string(
+        "\"12:+Z\" = \"mobile.1.z\"\nA1 = { channel = \"mobile.1.az\", scale = -1.0 }\n"
+        "\"1:+Z\" = \"load.fz\"\n");
+    const auto sample = GENERATE_COPY(values<Sample>({
+        {"scipy_vectors.mat", "MATLAB 5", "", 1e-7},
+        {"scipy_matrix.mat", "MATLAB 5", lab_names, 1e-15},
+        {"scipy_channels.mat", "MATLAB 5",
+         "\"Time\" = \"time\"\n\"LVDT top\" = \"mobile.1.z\"\nA1 = \"mobile.1.az\"\nForce = \"load.fz\"\n", 1e-15},
+        {"hdf5storage_matrix.mat", "MATLAB 7.3", lab_names, 1e-15},
+        {"hdf5storage_vectors.mat", "MATLAB 7.3", "", 1e-15},
+        {"pyuff_ascii.uff", "UFF 58", nodes, 1e-11},
+        {"pyuff_ascii_single.uff", "UFF 58", nodes, 1e-5},
+        {"pyuff_binary.uff", "UFF 58b", nodes, 1e-15},
+        {"pyuff_binary_single.uff", "UFF 58b", nodes, 1e-15},  // says single precision, holds double
+        {"big_endian_single.uff", "UFF 58b", nodes, 1e-7},
+        {"table.sto", "OpenSim .sto", "ground_force_vy = \"load.fz\"\n", 1e-8},
+        {"daq_preamble.csv", "CSV",
+         "t = \"time\"\n'LVDT \"oben\"' = \"mobile.1.z\"\nA1 = \"mobile.1.az\"\n\"Kraft, axial\" = \"load.fz\"\n",
+         4e-6},
+        {"daq_unit_row.csv", "CSV", "A1 = \"mobile.1.az\"\n", 4e-6},
+    }));
+    const Recording recording = read(sample.file, sample.columns);
+    CHECK(recording.format == sample.format);
+    checkTime(recording);
+    // In the universal files the accelerometer points to -Z; its column says so by the direction, the map by the sign.
+    const double sign = sample.format.substr(0, 3) == "UFF" ? -1 : 1;
+    const Channel* az = recording.find("mobile.1.az");
+    REQUIRE(az != nullptr);
+    for (int k = 0; k < 32; ++k)
+        CHECK(az->values[static_cast<std::size_t>(k)] ==
+              Approx(sign * azAt(k)).margin(sample.tolerance * 9.8).epsilon(0));
+    checkChannel(recording, "mobile.1.z", zAt, sample.tolerance * 1.5e-3);
+    checkChannel(recording, "load.fz", fzAt, sample.tolerance * 200);
+}
+
+TEST_CASE("What is no channel is listed or kept as metadata") {
+    const Recording vectors = read("scipy_vectors.mat");
+    CHECK(vectors.metadata.at("fs") == "1000");
+    CHECK(vectors.metadata.at("comment") == "sine");
+    REQUIRE(vectors.warnings.size() == 2);
+    CHECK_THAT(vectors.warnings[0], Contains("complex_one is complex"));
+    CHECK_THAT(vectors.warnings[1], Contains("no unit of time, mobile.1.z, mobile.1.az, load.fz; SI is assumed"));
+
+    const Recording daq = read("daq_unit_row.csv", "A1 = \"mobile.1.az\"\n");
+    CHECK(daq.metadata.at("Operator") == "nobody");
+    CHECK(daq.metadata.at("Scan rate") == "1000 Hz");
+    CHECK(daq.first_row == 8);
+    CHECK(daq.unused_columns == std::vector<std::string>{"Channel"});
+    REQUIRE(daq.warnings.size() == 1);
+    CHECK_THAT(daq.warnings[0], Contains("row 7, between header and numbers, is not read"));
+
+    const Recording functions = read("pyuff_binary.uff", "\"12:+Z\" = \"mobile.1.z\"\n");
+    REQUIRE(functions.warnings.size() == 1);
+    CHECK_THAT(functions.warnings[0], Contains("(FRF) is not read: it is no time response"));
+}
+
+TEST_CASE("Markers are positions; their rest is the first row, or what the map says") {
+    const Recording first = read("markers.trc", "\"TOP.z\" = \"mobile.1.z\"\n\"TOP_X\" = \"mobile.1.x\"\n");
+    CHECK(first.format == "OpenSim .trc");
+    checkTime(first);
+    checkChannel(first, "mobile.1.z", zAt, 1e-9);
+    CHECK(first.find("mobile.1.z")->unit == "mm");
+    CHECK(first.find("mobile.1.x")->values[5] == 0);
+    CHECK_THAT(first.warnings.front(), Contains("first row (up to 0.25 m from the origin)"));
+
+    const Recording mean = read("markers.trc", "\"TOP.z\" = \"mobile.1.z\"\n", "rest = 0.0035");
+    const double rest = (zAt(0) + zAt(1) + zAt(2) + zAt(3)) / 4;
+    CHECK(mean.find("mobile.1.z")->values[9] == Approx(zAt(9) - rest).margin(1e-9).epsilon(0));
+
+    const Recording none = read("markers.trc", "\"TOP.z\" = \"mobile.1.z\"\n", "rest = \"none\"");
+    CHECK(none.find("mobile.1.z")->values[9] == Approx(0.25 + zAt(9)).margin(1e-9).epsilon(0));
+
+    // Two rows in which the marker is hidden are bridged, and said.
+    const Recording hidden = read("markers.trc", "\"R.ASIS.y\" = \"mobile.1.y\"\n\"TOP.z\" = \"mobile.1.z\"\n");
+    CHECK(hidden.find("mobile.1.y")->values[8] == Approx(0).margin(1e-12));
+    CHECK_THAT(hidden.warnings.back(), Contains("mobile.1.y: empty field, interpolated") && Contains("14, 15"));
+}
+
+TEST_CASE("Tables of vectors, and those of the older motion files") {
+    const Recording vectors = read("vectors.sto", "\"force.z\" = \"load.fz\"\n");
+    checkTime(vectors);
+    checkChannel(vectors, "mobile.1.z", zAt, 1e-12);
+    checkChannel(vectors, "load.fz", fzAt, 1e-9);
+    const Recording motion = read("simm.mot");
+    checkTime(motion);
+    checkChannel(motion, "mobile.1.z", zAt, 1e-12);
+    checkChannel(motion, "mobile.1.az", azAt, 1e-11);
+}
+
+TEST_CASE("Foreign units are stated or asked for, never guessed") {
+    const ColumnMap map = mapOf("\"data.2\" = \"mobile.1.z\"\n\"data.1\" = \"time\"");
+    // A map that names a column of a matrix by its number; the unit is the one in the list of units.
+    checkTime(readRecording(folder + "scipy_matrix.mat", &map));
+    const ColumnMap unknown = mapOf("load_fz = \"load.fz\"\nmobile_1_z = \"mobile.2.z\"");
+    CHECK_THROWS_WITH(readRecording(folder + "scipy_vectors.mat", &unknown),
+                      Contains("column 'mobile.1.z' has no unit") && Contains("unit = \"m\"` in the column map"));
+    const ColumnMap nothing = mapOf("A2 = \"mobile.1.z\"");
+    CHECK_THROWS_WITH(readRecording(folder + "scipy_matrix.mat", &nothing),
+                      Contains("A2: there is no such column") && Contains("t, LVDT top, A1, Force"));
+    CHECK_THROWS_WITH(readRecording(folder + "pyuff_ascii.uff"),
+                      Contains("no column is a channel; there are time, 12:+Z, 7:-Z, 1:+Z"));
+}
