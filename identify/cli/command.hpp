@@ -27,6 +27,8 @@ void addFitCommand(CLI::App& app, int& exit_status);
 void addSurfaceCommand(CLI::App& app, int& exit_status);
 void addCompareCommand(CLI::App& app, int& exit_status);
 void addDiagnoseCommand(CLI::App& app, int& exit_status);
+void addSingleAxisCommand(CLI::App& app, int& exit_status);
+void addBeamTipCommand(CLI::App& app, int& exit_status);
 
 using wems::Table;
 

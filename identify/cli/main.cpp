@@ -16,6 +16,8 @@ int main(int argc, char** argv) {
     wems::identify::cli::addSurfaceCommand(app, exit_status);
     wems::identify::cli::addCompareCommand(app, exit_status);
     wems::identify::cli::addDiagnoseCommand(app, exit_status);
+    wems::identify::cli::addSingleAxisCommand(app, exit_status);
+    wems::identify::cli::addBeamTipCommand(app, exit_status);
     try {
         app.parse(argc, argv);
         return exit_status;
