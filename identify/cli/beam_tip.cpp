@@ -32,13 +32,15 @@ nlohmann::json makeJson(const TipSpring& spring, const std::string& elastic, con
             {"spring", {{"displacement", w}, {"force", force}}}};
 }
 
-void addPlot(HtmlReport& page, const std::string& title, const TipSpring& spring) {
-    const Eigen::VectorXd w = 1e3 * spring.deflection, fitted = spring.cubic * spring.deflection.array().cube();
+/// @param linear stiffness that the force holds besides the cubic one, N/m
+void addPlot(HtmlReport& page, const std::string& title, const TipSpring& spring, double linear) {
+    const Eigen::VectorXd w = 1e3 * spring.deflection,
+                          fitted = linear * spring.deflection.array() + spring.cubic * spring.deflection.array().cube();
     page.addPlot({title,
                   "tip deflection [mm]",
                   "force [N]",
                   {{"nonparametric", {w.begin(), w.end()}, {spring.force.begin(), spring.force.end()}},
-                   {"cubic", {w.begin(), w.end()}, {fitted.begin(), fitted.end()}}},
+                   {"fitted", {w.begin(), w.end()}, {fitted.begin(), fitted.end()}}},
                   true});
 }
 
@@ -57,8 +59,8 @@ void run(const Options& options) {
     if (options.common.report_file.empty()) return;
     HtmlReport page("Spring at the tip of the beam: " + recording.file);
     page.addTable(table.header(), table.rows());
-    addPlot(page, "Complete equation of the tip", tip.complete);
-    addPlot(page, "Truncated equation of the tip", tip.truncated);
+    addPlot(page, "Complete equation of the tip", tip.complete, 0);
+    addPlot(page, "Truncated equation of the tip", tip.truncated, tip.truncated.stiffness);
     page.write(options.common.report_file);
 }
 

@@ -59,8 +59,9 @@ BeamTip identifyBeamTip(const Recording& recording, const Beam& beam) {
     result.complete =
         fitSpring(applyRow(recording, beam, matrices.mass, "a"), applyRow(recording, beam, matrices.stiffness, ""),
                   applyRow(recording, beam, matrices.stiffness, "v"), w);
-    result.truncated = fitSpring(matrices.mass(tip, tip) * readChannel(recording, beam.elements, "az"), w,
-                                 readChannel(recording, beam.elements, "vz"), w);
+    const Eigen::VectorXd inertia = matrices.mass(tip, tip) * readChannel(recording, beam.elements, "az");
+    result.truncated = fitSpring(inertia, w, readChannel(recording, beam.elements, "vz"), w);
+    result.truncated.force = -inertia;
     return result;
 }
 

@@ -111,20 +111,26 @@ def lateral(page, r):
     def extended(run):
         return r.single(run, "--axis", "y", "--candidates", "xyz", "--damping", "--truncate", 9)
 
-    y_only = ("--axis", "y", "--window", 5, 25)
+    def y_only(run, *words):
+        return r.single(run, "--axis", "y", *words)
+
+    window, candidates = ("--window", 5, 25), ("--candidates", "xyz", "--truncate", 6)
     fit, noisy = r.fit("oblique_200"), r.fit("oblique_200", "noise")
     rows = [
         ["paper, y forces only", "−0.73 (379 %)", "0.96 (269 %)", "0.12 (55 %)", "0.12 (55 %)"],
-        ["ours, y forces only, centre of the cross, 5–25 Hz"] + relative(r.single("oblique_200", *y_only)),
-        ["the same, whole sweep"] + relative(r.single("oblique_200", "--axis", "y")),
+        ["ours, y forces only, acceleration of the cross's centre, 5–25 Hz"] + relative(y_only("oblique_200", *window)),
+        ["the same, whole sweep"] + relative(y_only("oblique_200")),
+        ["low device, y forces only, 5–25 Hz"] + relative(y_only("low_cog_200", *window)),
         ["paper, x, y and z forces as candidates", "0.32 (22.8 %)", "0.24 (6.8 %)", "0.28 (7.0 %)", "0.28 (8.0 %)"],
-        ["ours, x, y, z forces, centre, whole sweep"] + relative(r.single("oblique_200", "--axis", "y", "--candidates", "xyz", "--truncate", 6)),
-        ["ours, x, y, z forces and dashpots, centre"] + relative(extended("oblique_200")),
-        ["the same with the centre of gravity at 34 mm in place of 141.5 mm"] + relative(extended("low_cog_200")),
-        ["ours, y forces only, acceleration of the centre of gravity"] + relative(r.single("oblique_200", "--axis", "y", "--acceleration", "cog")),
-        ["the same with one dashpot"] + relative(r.single("oblique_200", "--axis", "y", "--acceleration", "cog", "--damping", "--truncate", 3)),
+        ["ours, x, y, z forces, whole sweep"] + relative(y_only("oblique_200", *candidates)),
+        ["ours, x, y, z forces and dashpots"] + relative(extended("oblique_200")),
+        ["low device, x, y, z forces"] + relative(y_only("low_cog_200", *candidates)),
+        ["low device, x, y, z forces and dashpots"] + relative(extended("low_cog_200")),
+        ["ours, y forces only, acceleration of the centre of gravity"] + relative(y_only("oblique_200", "--acceleration", "cog")),
+        ["the same with one dashpot"] + relative(y_only("oblique_200", "--acceleration", "cog", "--damping", "--truncate", 3)),
         ["truth"] + ["0.26"] * 4]
     page.table(["lateral y, 200 N oblique", "1-y", "2-y", "3-y", "4-y"], rows)
+    page.text("“Low device”: the same with the centre of gravity 34 mm above the cross in place of 141.5 mm.")
     for title, f in (("without noise", fit), ("with 1 µm and 0.01 m/s² noise", noisy)):
         page.text(f"`identify fit` from the same run, {title}: lateral stiffnesses and their known combinations within {f.worst(lambda n: is_elastomer(n) and '.z.' not in n)}, "
                   f"axial ones within {f.worst(lambda n: is_elastomer(n) and '.z.' in n)}; {f.intervals()} intervals hold the truth. The run turns the device too little about z to tell "

@@ -116,7 +116,7 @@ def run_all():
          + [(simulate, "asymmetric_500_fast", "noise"), (simulate, "soft_200", "noise")])
     flexible = [(recordings.add_flexibility, csv(r), DEVICE, WORK / f"{r}_flexible.csv") for r in ("axial_300", "lateral_300", "lateral_100")]
     step("recordings of a flexible cross, a wrong gain",
-         flexible + [(recordings.change_gain, csv("axial_300"), "mobile.2.z", 1.03, WORK / "axial_300_gain.csv")])
+         flexible + [(recordings.change_gain, csv("axial_300", "noise"), "mobile.4.z", 1.03, WORK / "axial_300_gain.csv")])
     results = {}
     step("identify, full method", [(fit, results, run, noise, use) for run in TABLES for noise, use in FITS]
          + [(fit, results, "soft_200", "noise", "all")])
