@@ -85,7 +85,7 @@ MountModel extrapolate(const MountModel& model, const MountModel& before, const 
 std::vector<RunMotion> recoverSlowMotion(std::vector<RunMotion> runs, const MountModel& model,
                                          const FitOptions& options, FitResult& result) {
     constexpr int most_passes = 12;
-    constexpr double settled = 1e-7;  // m RMS
+    constexpr double settled = 2e-7;  // m RMS
     const std::vector<Parameter> parameters = makeParameters(model, options.free_body);
     std::optional<MountModel> before;
     double change = 0;
