@@ -87,6 +87,8 @@ std::vector<RunMotion> recoverSlowMotion(std::vector<RunMotion> runs, const Moun
     constexpr int most_passes = 12;
     constexpr double settled = 2e-7;  // m RMS
     const std::vector<Parameter> parameters = makeParameters(model, options.free_body);
+    for (RunMotion& run : runs)
+        if (lacksSlowMotion(run)) cutRinging(run);
     std::optional<MountModel> before;
     double change = 0;
     int pass = 0;

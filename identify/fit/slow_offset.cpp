@@ -17,6 +17,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic>;  // force, moment about Mo, in G
 
+constexpr double ringing_periods = 3;   // of the lowest trusted frequency, that the high pass rings at the end
 constexpr double stop_over_pass = 1.5;  // band edges of the low pass; below the lowest excited frequency
 
 /// Force (N) and tangent stiffness (N/m) of all stops of an axis.
@@ -101,6 +102,19 @@ Eigen::MatrixXd makePattern(const MountModel& model) {
 
 bool lacksSlowMotion(const RunMotion& motion) {
     return !motion.mobile.displacement_measured && motion.mobile.acceleration_measured && motion.trusted_from > 0;
+}
+
+void cutRinging(RunMotion& motion) {
+    const auto samples = static_cast<Eigen::Index>(motion.time.size());
+    const Eigen::Index kept =
+        samples -
+        std::min(samples / 4, static_cast<Eigen::Index>(ringing_periods / (motion.trusted_from * motion.interval)));
+    motion.time.resize(static_cast<std::size_t>(kept));
+    for (PartMotion* part : {&motion.mobile, &motion.fixed})
+        for (Eigen::Matrix3Xd* history : {&part->p, &part->theta, &part->v, &part->w, &part->a, &part->alpha})
+            history->conservativeResize(Eigen::NoChange, kept);
+    for (Eigen::Matrix3Xd* history : {&motion.load, &motion.base})
+        if (history->cols() > kept) history->conservativeResize(Eigen::NoChange, kept);
 }
 
 double updateSlowOffset(RunMotion& motion, const MountModel& model) {

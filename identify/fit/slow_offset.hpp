@@ -19,6 +19,10 @@ namespace wems::identify {
 /// True if the displacements of the run are integrated accelerations.
 bool lacksSlowMotion(const RunMotion& motion);
 
+/// Cuts off the end of a run that lacks its slow motion. Its accelerations were continued by zeros for integration, so
+/// that the high pass rings there, as wide as the motion itself; the beginning is at rest.
+void cutRinging(RunMotion& motion);
+
 /// One pass: moves the mobile part of `motion` so that the mount's force balances the inertia force below the band in
 /// which its displacements are trusted. Returns the RMS change of the relative displacements over all connections, m.
 double updateSlowOffset(RunMotion& motion, const MountModel& model);
