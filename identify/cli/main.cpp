@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
     wems::identify::cli::addInspectCommand(app, exit_status);
     wems::identify::cli::addConvertCommand(app, exit_status);
     wems::identify::cli::addMergeCommand(app, exit_status);
+    wems::identify::cli::addSingleAxisCommand(app, exit_status);
+    wems::identify::cli::addBeamTipCommand(app, exit_status);
     try {
         app.parse(argc, argv);
         return exit_status;

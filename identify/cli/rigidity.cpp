@@ -9,6 +9,7 @@
 #include "identify/cli/recordings.hpp"
 #include "identify/cli/rigidity_report.hpp"
 #include "models/mount_model.hpp"
+#include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
 namespace {
@@ -23,6 +24,18 @@ nlohmann::json numberOrNull(double value) {
     return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
 }
 
+/// The check over time and swept frequency, some 1000 samples that keep its shape.
+nlohmann::json makeHistory(const Rigidity& rigidity, const RigidityCheck& check) {
+    const std::vector<double> percent(check.percent.begin(), check.percent.end());
+    auto time = nlohmann::json::array(), hertz = time, values = time;
+    for (const std::size_t k : decimateByShape(percent, 250)) {
+        time.push_back(rigidity.time[k]);
+        hertz.push_back(numberOrNull(rigidity.swept.hertz(static_cast<Eigen::Index>(k))));
+        values.push_back(percent[k]);
+    }
+    return {{"time", time}, {"frequency", hertz}, {"percent", values}};
+}
+
 nlohmann::json makeJson(const Rigidity& rigidity, const Recording& recording) {
     nlohmann::json checks = nlohmann::json::array(), suspects = nlohmann::json::array();
     for (const RigidityCheck& check : rigidity.checks) {
@@ -30,7 +43,8 @@ nlohmann::json makeJson(const Rigidity& rigidity, const Recording& recording) {
                           {"max_percent", check.max_percent},
                           {"at_frequency", numberOrNull(check.at_frequency)},
                           {"at_time", check.at_time},
-                          {"noise_percent", numberOrNull(check.noise_percent)}});
+                          {"noise_percent", numberOrNull(check.noise_percent)},
+                          {"history", makeHistory(rigidity, check)}});
     }
     for (const ChannelSuspect& suspect : rigidity.suspects) {
         nlohmann::json entry{{"channel", suspect.channel},

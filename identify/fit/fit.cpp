@@ -1,10 +1,13 @@
 #include "identify/fit/fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "identify/fit/fit_report.hpp"
+#include "identify/fit/slow_offset.hpp"
 #include "identify/fit/stopwatch.hpp"
 #include "models/error.hpp"
 
@@ -53,12 +56,72 @@ ParameterUncertainty removeSpuriousStops(Solver& solver) {
     }
 }
 
+/// The slow motion of all runs that lack it, for one law. Returns the largest RMS change of a run's relative
+/// displacements, m.
+double updateSlowMotion(std::vector<RunMotion>& runs, const MountModel& law) {
+    constexpr int newton_steps = 3;
+    double change = 0;
+    for (RunMotion& run : runs) {
+        if (!lacksSlowMotion(run)) continue;
+        change = std::max(change, updateSlowOffset(run, law));
+        for (int step = 1; step < newton_steps; ++step) updateSlowOffset(run, law);
+    }
+    return change;
+}
+
+/// `model` moved on by half of its change since `before`, which shortens the way to the fixed point.
+MountModel extrapolate(const MountModel& model, const MountModel& before, const std::vector<Parameter>& parameters) {
+    constexpr double momentum = 0.5, largest = 0.2;  // of the change; of the value
+    MountModel ahead = model;
+    for (const Parameter& parameter : parameters) {
+        const double value = getParameter(model, parameter.name);
+        const double step = momentum * (value - getParameter(before, parameter.name));
+        if (std::abs(step) < largest * std::abs(value)) setParameter(ahead, parameter.name, value + step);
+    }
+    return ahead;
+}
+
+/// Runs of accelerations alone with their slow motion: law and motion are improved in turn until neither changes.
+std::vector<RunMotion> recoverSlowMotion(std::vector<RunMotion> runs, const MountModel& model,
+                                         const FitOptions& options, FitResult& result) {
+    constexpr int most_passes = 12;
+    constexpr double settled = 2e-7;  // m RMS
+    const std::vector<Parameter> parameters = makeParameters(model, options.free_body);
+    for (RunMotion& run : runs)
+        if (lacksSlowMotion(run)) cutRinging(run);
+    std::optional<MountModel> before;
+    double change = 0;
+    int pass = 0;
+    do {
+        std::vector<RunEquations> equations;
+        for (const RunMotion& run : runs) equations.push_back(makeRunEquations(run, model, options));
+        NormalEquations normal_equations(std::move(equations));
+        Solver solver(runs, normal_equations, parameters, model);
+        solver.run();
+        change = updateSlowMotion(runs, before ? extrapolate(solver.model(), *before, parameters) : solver.model());
+        before = solver.model();
+    } while (++pass < most_passes && change > settled);
+    std::array<char, 160> text{};
+    std::snprintf(
+        text.data(), text.size(),
+        "accelerations alone: slow motion from the balance of the mount's force, %d passes, last change %.2g m", pass,
+        change);
+    result.notes.emplace_back(text.data());
+    return runs;
+}
+
 }  // namespace
 
-FitResult fitMount(const std::vector<RunMotion>& runs, const MountModel& model, const FitOptions& options) {
-    if (runs.empty()) throw InputError({}, "no run to fit");
+FitResult fitMount(const std::vector<RunMotion>& measured, const MountModel& model, const FitOptions& options) {
+    if (measured.empty()) throw InputError({}, "no run to fit");
     FitResult result;
     Stopwatch watch(result.timing);
+    std::vector<RunMotion> recovered;
+    if (std::any_of(measured.begin(), measured.end(), lacksSlowMotion)) {
+        recovered = recoverSlowMotion(measured, model, options, result);
+        watch.lap("slow motion");
+    }
+    const std::vector<RunMotion>& runs = recovered.empty() ? measured : recovered;
     const std::vector<Parameter> parameters = makeParameters(model, options.free_body);
     std::vector<RunEquations> equations;
     for (const RunMotion& run : runs) equations.push_back(makeRunEquations(run, model, options));

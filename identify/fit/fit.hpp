@@ -53,7 +53,9 @@ struct FitResult {
     std::vector<std::pair<std::string, double>> timing;  ///< step, s
 };
 
+/// Runs of accelerations alone first get the slow part of their motion from the balance of the mount's force
+/// (slow_offset.hpp), which takes some ten fits.
 /// @throws InputError if there is no run, a run is shorter than the test function, or a name in `free_body` is wrong.
-FitResult fitMount(const std::vector<RunMotion>& runs, const MountModel& model, const FitOptions& options = {});
+FitResult fitMount(const std::vector<RunMotion>& measured, const MountModel& model, const FitOptions& options = {});
 
 }  // namespace wems::identify

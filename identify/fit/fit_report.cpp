@@ -17,8 +17,12 @@ std::string format(double value) {
     return text.data();
 }
 
-std::array<double, 2> around(double value, double half_width) {
-    return {value - half_width, value + half_width};
+/// Interval around a value whose terms have the given sum of magnitudes. The sampled equations themselves are no
+/// better than this part of it (test_function.hpp), however little noise there is.
+std::array<double, 2> around(double value, double half_width, double magnitude) {
+    constexpr double discretisation = 2e-5;
+    const double width = std::max(half_width, discretisation * magnitude);
+    return {value - width, value + width};
 }
 
 /// Statistical covariance plus what an error of the regressors may do to directions that are barely separated. What is
@@ -99,16 +103,19 @@ void reportOpenGroups(const Solver& solver, const LinearSystem& system, const Pa
         shareCombinations(solver, system, group, result.model);
         for (const KnownCombination& known : group.known) {
             UnidentifiedGroup entry;
+            double magnitude = 0;
             Eigen::VectorXd combination = Eigen::VectorXd::Zero(system.scale.size());
             for (std::size_t j = 0; j < known.members.size(); ++j) {
                 const double factor = known.factors(static_cast<Eigen::Index>(j));
                 if (factor == 0) continue;
                 entry.names.push_back(nameOf(known.members[j]).name);
-                entry.value += factor * getParameter(solver.model(), entry.names.back());
+                const double term = factor * getParameter(solver.model(), entry.names.back());
+                entry.value += term;
+                magnitude += std::abs(term);
                 combination(known.members[j]) = factor * system.scale(known.members[j]);
             }
             entry.combination = known.text;
-            entry.interval95 = around(entry.value, uncertainty.calcHalfWidth(combination));
+            entry.interval95 = around(entry.value, uncertainty.calcHalfWidth(combination), magnitude);
             entry.unit = nameOf(known.members.front()).unit;
             entry.separate_by = group.separate_by;
             result.not_identifiable.push_back(std::move(entry));
@@ -186,7 +193,7 @@ void reportFit(Solver& solver, const LinearSystem& system, const ParameterUncert
         fitted.model_value = getParameter(solver.base(), fitted.name);
         fitted.value = getParameter(solver.model(), fitted.name);
         fitted.standard_error = uncertainty.calcStandardError(combination);
-        fitted.interval95 = around(fitted.value, uncertainty.calcHalfWidth(combination));
+        fitted.interval95 = around(fitted.value, uncertainty.calcHalfWidth(combination), std::abs(fitted.value));
         setParameter(result.model, fitted.name, fitted.value);
         result.parameters.push_back(std::move(fitted));
     }

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kLeastReliability = 0.9;  // share of a direction's inner product that must not be noise
 constexpr double kLeastReach = 0.1;        // share of the model's clearance below which no stop is looked for
+constexpr double kLeastResidual = 1e-5;    // of the demanded force or moment, what a residual counts as at least
 constexpr double kOpenError = 2;           // relative error in the largest component of a direction seen only in noise
 
 bool sameStop(const StopTerm& a, const StopTerm& b) {
@@ -274,10 +275,16 @@ void Solver::updateWeights(bool from_residual) {
             covariance.diagonal() << force, force, force, moment, moment, moment;
         }
         for (int e = 0; e < 6; ++e) covariance(e, e) += (e < 3 ? floor : moment_floor) + 1e-30;
+        if (from_residual) {
+            // Nor must an equation whose residual is round-off: no recording is that exact.
+            const Matrix6d since = equations_.whitening(r) * first_whitening_[r].inverse();
+            covariance += kLeastResidual * kLeastResidual * since * since.transpose();
+        }
         transforms.push_back(covariance.llt().matrixL().solve(Matrix6d::Identity()));
     }
     const auto stops = equations_.stops();
     equations_.whiten(transforms);
+    if (!from_residual) first_whitening_ = transforms;
     equations_.setStops(model_, stops);
     noise_.clear();
     for (std::size_t r = 0; r < equations_.runs().size(); ++r)

@@ -76,6 +76,7 @@ private:
     MountModel base_, model_;
     std::vector<Eigen::MatrixXd> noise_;  // for each run, linear columns
     std::vector<StopTerm> all_stops_;
+    std::vector<Matrix6d> first_whitening_;  // of each run: forces and moments to unit RMS
 };
 
 }  // namespace wems::identify

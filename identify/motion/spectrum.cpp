@@ -90,4 +90,29 @@ IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double inte
     return result;
 }
 
+SlowSignal keepSlowPart(const Eigen::VectorXd& signal, double interval, double pass, double stop) {
+    const auto samples = static_cast<std::size_t>(signal.size());
+    const std::size_t length = nextPowerOfTwo(
+        samples + static_cast<std::size_t>(std::min(8 / (pass * interval), 4.0 * static_cast<double>(samples))));
+    std::vector<double> buffer(length, 0.0);
+    std::copy(signal.data(), signal.data() + samples, buffer.begin());
+    std::vector<Complex> transform(length / 2 + 1), product(length / 2 + 1);
+    const Plan forward(fftw_plan_dft_r2c_1d(static_cast<int>(length), buffer.data(), asFftw(transform), FFTW_ESTIMATE));
+    const Plan backward(fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(product), buffer.data(), FFTW_ESTIMATE));
+    fftw_execute(forward.get());
+    SlowSignal result;
+    for (const bool rate : {false, true}) {
+        for (std::size_t i = 0; i < product.size(); ++i) {
+            const double f = static_cast<double>(i) / (static_cast<double>(length) * interval);
+            const double gain = 0.5 + 0.5 * std::cos(pi * std::clamp((f - pass) / (stop - pass), 0.0, 1.0));
+            product[i] =
+                transform[i] * (rate ? Complex(0, 2 * pi * f) : Complex(1)) * gain / static_cast<double>(length);
+        }
+        fftw_execute(backward.get());
+        (rate ? result.rate : result.x) =
+            Eigen::Map<const Eigen::VectorXd>(buffer.data(), static_cast<Eigen::Index>(samples));
+    }
+    return result;
+}
+
 }  // namespace wems::identify

@@ -23,4 +23,12 @@ struct IntegratedSignal {
 /// the recording should begin and end at rest.
 IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double interval, double lowest);
 
+struct SlowSignal {
+    Eigen::VectorXd x, rate;
+};
+
+/// The part of a signal below a frequency, zero-phase, and its derivative: gain 1 up to `pass`, 0 from `stop` (Hz) on,
+/// a raised cosine between. The signal is continued by zeros.
+SlowSignal keepSlowPart(const Eigen::VectorXd& signal, double interval, double pass, double stop);
+
 }  // namespace wems::identify

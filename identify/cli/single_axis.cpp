@@ -1,0 +1,166 @@
+// identify single-axis: the classical regression, Newton's equation of one axis with truncated SVD.
+#include "identify/paper/single_axis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "identify/cli/command.hpp"
+#include "identify/cli/recordings.hpp"
+#include "models/error.hpp"
+#include "models/report/html_report.hpp"
+
+namespace wems::identify::cli {
+namespace {
+
+struct Options {
+    CommonOptions common;
+    SingleAxisOptions method;
+    std::string recording, model, output, axis = "z", candidates, acceleration = "centre";
+    std::vector<double> window;
+    int samples = 2000;
+};
+
+/// JSON has no infinity.
+nlohmann::json numberOrNull(double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+nlohmann::json makeJson(const SingleAxisResult& result, int samples) {
+    auto terms = nlohmann::json::array(), curves = nlohmann::json::array();
+    for (const SingleAxisTerm& term : result.terms) {
+        terms.push_back({{"name", term.name},
+                         {"value", term.value},
+                         {"unit", term.unit},
+                         {"model_value", term.model_value},
+                         {"held", term.held},
+                         {"confidence_factor", numberOrNull(term.confidence)},
+                         {"confidence_factor_refitted", numberOrNull(term.confidence_refitted)}});
+        if (term.q.size() == 0) continue;
+        nlohmann::json q = nlohmann::json::array(), force = nlohmann::json::array();
+        const Eigen::Index stride = std::max<Eigen::Index>(1, term.q.size() / std::max(1, samples));
+        for (Eigen::Index k = 0; k < term.q.size(); k += stride) {
+            q.push_back(term.q(k));
+            force.push_back(term.force(k));
+        }
+        curves.push_back({{"term", term.name}, {"displacement", q}, {"force", force}});
+    }
+    return {{"terms", terms},
+            {"singular_values_percent",
+             std::vector<double>(result.singular_percent.begin(), result.singular_percent.end())},
+            {"rank", result.rank},
+            {"residual", {{"fraction", result.residual_fraction}}},
+            {"nonparametric", curves},
+            {"notes", result.notes}};
+}
+
+Table makeTable(const SingleAxisResult& result) {
+    Table table({"term", "model", "identified", "unit", "confidence factor", "others refitted"});
+    for (const SingleAxisTerm& term : result.terms)
+        table.addRow({term.name, formatNumber(term.model_value), term.held ? "held" : formatNumber(term.value, 6),
+                      term.unit, term.held ? "-" : formatNumber(term.confidence, 4),
+                      term.held ? "-" : formatNumber(term.confidence_refitted, 4)});
+    return table;
+}
+
+std::string describeSingularValues(const SingleAxisResult& result) {
+    std::string text = "singular values, percent of their sum:";
+    for (const double value : result.singular_percent) text += " " + formatNumber(value, 3);
+    return text + "; " + std::to_string(result.rank) + " kept";
+}
+
+std::string describeResidual(const SingleAxisResult& result) {
+    return "unexplained: " + formatNumber(100 * result.residual_fraction, 3) + " % of the force";
+}
+
+void writeReport(const SingleAxisResult& result, const std::string& recording, const std::string& file) {
+    HtmlReport page("One-axis regression: " + recording);
+    const Table table = makeTable(result);
+    page.addTable(table.header(), table.rows());
+    page.addText(describeSingularValues(result));
+    page.addText(describeResidual(result));
+    for (const SingleAxisTerm& term : result.terms) {
+        if (term.q.size() == 0) continue;
+        const Eigen::VectorXd q = 1e3 * term.q, fitted = term.value * term.q;
+        page.addPlot({"Restoring force of " + term.name.substr(0, term.name.rfind('.')),
+                      "relative displacement [mm]",
+                      "force [N]",
+                      {{"nonparametric", {q.begin(), q.end()}, {term.force.begin(), term.force.end()}},
+                       {"elastomer", {q.begin(), q.end()}, {fitted.begin(), fitted.end()}}},
+                      true});
+    }
+    for (const auto& note : result.notes) page.addText(note);
+    page.write(file);
+}
+
+void run(Options options) {
+    const std::string axes = "xyz";
+    SingleAxisOptions& method = options.method;
+    method.axis = static_cast<int>(axes.find(options.axis));
+    for (const char candidate : options.candidates) {
+        const auto axis = axes.find(candidate);
+        if (axis == std::string::npos ||
+            std::count(options.candidates.begin(), options.candidates.end(), candidate) > 1)
+            throw InputError({{}, 0, "--candidates"}, "is `" + options.candidates + "`",
+                             "letters out of xyz, each once, such as xyz");
+        method.candidates.push_back(static_cast<int>(axis));
+    }
+    if (options.acceleration == "cog") method.point = AccelerationPoint::center_of_gravity;
+    if (!options.window.empty()) {
+        method.lowest = options.window.front();
+        method.highest = options.window.back();
+        if (!(method.lowest < method.highest))
+            throw InputError({{}, 0, "--window"}, "does not ascend", "lowest and highest swept frequency, Hz");
+    }
+    const MountModel model = readMountModel(options.model);
+    const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
+    SingleAxisResult result = identifySingleAxis(recording, model, method);
+    result.notes.insert(result.notes.begin(), recording.warnings.begin(), recording.warnings.end());
+    if (!options.output.empty()) writeMountModel(result.model, options.output);
+    if (options.common.json_file != "-") {
+        std::cout << makeTable(result).format() << describeSingularValues(result) << "\n"
+                  << describeResidual(result) << "\n";
+        for (const auto& note : result.notes) std::cout << "note: " << note << "\n";
+    }
+    writeJson(makeJson(result, options.samples), options.common);
+    if (!options.common.report_file.empty()) writeReport(result, recording.file, options.common.report_file);
+}
+
+}  // namespace
+
+void addSingleAxisCommand(CLI::App& app, int& /*exit_status*/) {
+    auto* command =
+        app.add_subcommand("single-axis", "Classical one-axis regression with truncated SVD, to compare with `fit`");
+    const auto options = std::make_shared<Options>();
+    command->add_option("recording", options->recording, "recording of the device (CSV)")->required();
+    command->add_option("--model", options->model, "mount model: mass, clearances, values to hold (TOML)")->required();
+    command->add_option("--axis", options->axis, "axis of Newton's equation (default z)")
+        ->check(CLI::IsMember({"x", "y", "z"}));
+    command->add_option("--candidates", options->candidates,
+                        "axes whose forces may enter, such as xyz (default: the axis of the equation)");
+    command
+        ->add_option("--acceleration", options->acceleration,
+                     "of which point: centre (mean of the markers, default) or cog")
+        ->check(CLI::IsMember({"centre", "cog"}));
+    command
+        ->add_option("--truncate", options->method.keep,
+                     "singular values to keep (default: those before the first gap of a factor 20; 99 for all)")
+        ->check(CLI::PositiveNumber);
+    command->add_flag("--hold-elastomers", options->method.hold_elastomers,
+                      "keep the model's elastomer stiffnesses and identify the stops alone");
+    command->add_flag("--no-stops{false}", options->method.stops, "leave stops out even where they are reached");
+    command->add_flag("--damping", options->method.damping, "add one dashpot for each candidate axis");
+    command->add_option("--window", options->window, "lowest and highest swept frequency to use, Hz")->expected(2);
+    command->add_option("--samples", options->samples, "samples of each nonparametric curve in the JSON (default 2000)")
+        ->check(CLI::PositiveNumber);
+    command->add_option("-o,--output", options->output, "write the model with the identified stiffnesses (TOML)");
+    addCommonOptions(*command, options->common);
+    command->footer(
+        "Example, elastomers at a low level, then the stops at a high one:\n"
+        "  identify single-axis low.csv --model mount.toml --axis z -o linear.toml\n"
+        "  identify single-axis high.csv --model linear.toml --axis z --hold-elastomers --json stops.json");
+    command->callback([options] { run(*options); });
+}
+
+}  // namespace wems::identify::cli
