@@ -89,7 +89,7 @@ TEST_CASE("What is no text file is refused by name") {
                      "ELF\x02\x01\x00\x00",
                      8),
          "binary"},
-        {std::string("\xFF\xFEt\0a\0", 6), "there is no time column"},
+        {std::string("\xFF\xFE\n\0", 4), "there is no header row"},
         {"\x1F\x8B\x08", "compressed"},
         {"PK\x03\x04", "compressed or a spreadsheet"},
         {"", "the file is empty"},
