@@ -13,7 +13,7 @@ import time
 from collections import Counter, defaultdict
 from concurrent.futures import ThreadPoolExecutor
 
-PROGRAMS = "build/release"
+PROGRAMS = os.environ.get("WEMS_PROGRAMS", "build/release")
 # Ties in principle, whatever the noise.
 TIES = [{"clearance", "preload"}, {"load", "sensor_gain"}, {"sensor_delay", "viscous_damping"}]
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "identify/diagnose/parallel.hpp"
 #include "identify/diagnose/screening.hpp"
 
 namespace wems::identify {
@@ -77,25 +78,28 @@ private:
         const auto catalogue = makeCatalogue(present.model, with_bracket_);
         const double now = perValue(identification_, present.misfit);
         const auto screened = screenCandidates(identification_, present.model, present.residual, catalogue, price(now));
-        std::vector<Trial> trials;
         const double least = 0.25 * options_.least_gain * static_cast<double>(identification_.size());
+        std::vector<const Screened*> chosen;
         for (const auto& entry : screened) {
-            if (static_cast<int>(trials.size()) >= count || entry.gain < least) break;
-            const auto& candidate = catalogue[entry.candidate];
-            if (overlaps(candidate, accepted)) continue;
+            if (static_cast<int>(chosen.size()) >= count || entry.gain < least) break;
+            if (!overlaps(catalogue[entry.candidate], accepted)) chosen.push_back(&entry);
+        }
+        std::vector<Trial> trials(chosen.size());
+        std::vector<ParameterFit> new_fits(chosen.size());
+        runParallel(chosen.size(), [&](std::size_t i) {
+            const auto& candidate = catalogue[chosen[i]->candidate];
             MountModel start = present.model;
-            candidate.apply(start, entry.values);
+            candidate.apply(start, chosen[i]->values);
             auto all = accepted;
             all.push_back(candidate);
-            const auto fit = fitParameters(identification_, start, collectKnobs(all), 6);
-            Trial trial;
+            new_fits[i] = fitParameters(identification_, start, collectKnobs(all), 6);
+            auto& trial = trials[i];
             trial.candidate = candidate;
-            for (const auto& knob : candidate.knobs) trial.values.push_back(knob.get(fit.model));
-            trial.identification = perValue(identification_, fit.misfit);
-            trial.validation = validate(fit.model);
-            trials.push_back(trial);
-            fits_.push_back(fit);
-        }
+            for (const auto& knob : candidate.knobs) trial.values.push_back(knob.get(new_fits[i].model));
+            trial.identification = perValue(identification_, new_fits[i].misfit);
+            trial.validation = validate(new_fits[i].model);
+        });
+        for (auto& fit : new_fits) fits_.push_back(std::move(fit));
         std::vector<std::size_t> order(trials.size());
         for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
         std::sort(order.begin(), order.end(),
