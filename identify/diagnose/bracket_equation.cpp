@@ -110,8 +110,7 @@ Eigen::MatrixXd BracketEquation::calcModesDifference(const MountModel& from, con
 }
 
 Eigen::MatrixXd BracketEquation::calcBodyDifference(const MountModel& from, const MountModel& to) const {
-    const Eigen::MatrixXd demand =
-        calcDemand(*run_, to.body, to.gravity) - calcDemand(*run_, from.body, from.gravity);
+    const Eigen::MatrixXd demand = calcDemand(*run_, to.body, to.gravity) - calcDemand(*run_, from.body, from.gravity);
     return calcResponse(to, calcModalForces(to, demand));
 }
 

@@ -60,10 +60,11 @@ void sortByGain(std::vector<Cause>& causes) {
 
 }  // namespace
 
-void addSensorCause(const ChannelFault& fault, double error_ratio, std::vector<Cause>& causes) {
+void addSensorCause(const ChannelFault& fault, double error_ratio, bool unexplained, std::vector<Cause>& causes) {
     Cause cause;
     cause.cause = fault.cause;
-    cause.probability = kCertain;
+    const bool side = fault.fault.channel.find('.') == std::string::npos;
+    cause.probability = unexplained && side && error_ratio < std::sqrt(kConvincing) ? kDoubtful : kCertain;
     cause.gain_db = toDecibel(error_ratio);
     const std::string channel = channelName(fault.fault.channel);
     cause.where = {channel};
@@ -81,7 +82,7 @@ void addSensorCause(const ChannelFault& fault, double error_ratio, std::vector<C
         std::find_if(causes.begin(), causes.end(), [&](const Cause& c) { return c.cause == cause.cause; });
     if (known == causes.end()) {
         causes.push_back(cause);
-    } else {
+    } else if (std::find(known->where.begin(), known->where.end(), channel) == known->where.end()) {
         known->where.push_back(channel);
         known->parameters.insert(known->parameters.end(), cause.parameters.begin(), cause.parameters.end());
         known->gain_db = std::max(known->gain_db, cause.gain_db);

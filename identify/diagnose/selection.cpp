@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "identify/diagnose/leftover.hpp"
 #include "identify/diagnose/parallel.hpp"
 #include "identify/diagnose/screening.hpp"
 
@@ -14,6 +15,18 @@ namespace {
 constexpr double kTieFraction = 0.02;
 /// … nor within this much of the misfit per value.
 constexpr double kTieMisfit = 0.01;
+
+/// Where a force along one axis could make this share of the mount's residual, laws elsewhere are not tried …
+constexpr double kAlone = 0.95;
+/// … but for axes that could make nearly as much. The residual must stand out from the noise for that, per value.
+constexpr double kNearlyAsMuch = 0.04;
+constexpr double kStandsOut = 0.5;
+
+/// `1.x` of `1.x` and `1.x.+`; empty for `body`, `mobile`, …
+std::string axisOf(const std::string& place) {
+    const auto dot = place.find('.');
+    return dot == std::string::npos ? "" : place.substr(0, dot + 2);
+}
 
 bool overlaps(const Candidate& a, const std::vector<Candidate>& others) {
     const auto names = a.parameterNames();
@@ -40,6 +53,7 @@ public:
     }
 
     Selection run() {
+        setReference(base_);
         result_.fit = fitParameters(identification_, base_, {});
         result_.identification_before = perValue(identification_, result_.fit.misfit);
         result_.validation_before = validate(base_);
@@ -73,9 +87,36 @@ private:
                2 * price(best) * static_cast<double>(trial.candidate.knobs.size());
     }
 
+    /// The catalogue of a model, without laws at places that its residual excludes.
+    std::vector<Candidate> makePossible(const ParameterFit& present) const {
+        auto catalogue = makeCatalogue(present.model, with_bracket_);
+        const auto keepPossible = [&](const std::function<bool(const std::string&)>& isPossible) {
+            catalogue.erase(std::remove_if(catalogue.begin(), catalogue.end(),
+                                           [&](const Candidate& candidate) {
+                                               return !std::all_of(candidate.where.begin(), candidate.where.end(),
+                                                                   isPossible);
+                                           }),
+                            catalogue.end());
+        };
+        if (!options_.only_place.empty()) {
+            keepPossible([&](const std::string& place) { return axisOf(place) == options_.only_place; });
+            return catalogue;
+        }
+        if (calcMountExcess(identification_, present.residual) < kStandsOut) return catalogue;
+        const auto shares = calcPlaceShares(identification_, present.model, present.residual);
+        if (shares.front().share < kAlone) return catalogue;
+        keepPossible([&](const std::string& place) {
+            const std::string axis = axisOf(place);
+            return axis.empty() || std::any_of(shares.begin(), shares.end(), [&](const PlaceShare& share) {
+                       return share.name == axis && share.share > shares.front().share - kNearlyAsMuch;
+                   });
+        });
+        return catalogue;
+    }
+
     /// Screens the catalogue of `model` and fits the best jointly with `accepted`.
     std::vector<Trial> tryCandidates(const ParameterFit& present, const std::vector<Candidate>& accepted, int count) {
-        const auto catalogue = makeCatalogue(present.model, with_bracket_);
+        const auto catalogue = makePossible(present);
         const double now = perValue(identification_, present.misfit);
         const auto screened = screenCandidates(identification_, present.model, present.residual, catalogue, price(now));
         const double least = 0.25 * options_.least_gain * static_cast<double>(identification_.size());
@@ -126,6 +167,9 @@ private:
             round.identification_before = perValue(identification_, result_.fit.misfit);
             round.validation_before = validate(result_.fit.model);
             tell("round " + std::to_string(number + 1) + ": screening");
+            const auto place = calcPlaceShares(identification_, result_.fit.model, result_.fit.residual).front();
+            round.place = place.name;
+            round.place_share = place.share;
             fits_.clear();
             round.trials = tryCandidates(result_.fit, result_.accepted, options_.trials);
             const double excess = std::max(0.0, round.validation_before - 1);

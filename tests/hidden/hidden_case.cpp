@@ -39,9 +39,10 @@ nlohmann::json formatTruth(const HiddenCase& hidden) {
                          {"causes", causes},
                          {"change", hidden.change},
                          {"amplification", hidden.amplification},
-                         {"noise", {{"displacement", hidden.displacement_noise},
-                                    {"acceleration", hidden.acceleration_noise},
-                                    {"gain_scatter", hidden.gain_scatter}}}};
+                         {"noise",
+                          {{"displacement", hidden.displacement_noise},
+                           {"acceleration", hidden.acceleration_noise},
+                           {"gain_scatter", hidden.gain_scatter}}}};
     if (hidden.outside.kind != OutsideEffect::Kind::none)
         truth["outside"] = {{"kind", formatKind(hidden.outside.kind)},
                             {"where", std::to_string(hidden.outside.connection + 1) + "." + "xyz"[hidden.outside.axis]},

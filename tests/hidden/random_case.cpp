@@ -98,8 +98,8 @@ bool isPredictable(HiddenCase& hidden) {
     MountModel heavier = hidden.truth;
     heavier.body.mass *= 1 + 1e-5;
     for (std::size_t r = 0; r < 3; ++r) {
-        hidden.amplification[r] = 1e5 * calcChange(simulateRelative(hidden, heavier, r),
-                                                   simulateRelative(hidden, hidden.truth, r));
+        hidden.amplification[r] =
+            1e5 * calcChange(simulateRelative(hidden, heavier, r), simulateRelative(hidden, hidden.truth, r));
         if (!(hidden.amplification[r] < kChaotic)) return false;
     }
     return true;
@@ -204,8 +204,7 @@ Eigen::MatrixXd simulateRelative(const HiddenCase& hidden, const MountModel& mod
         time.push_back(k / hidden.rate);
         load.col(k) = plan.direction * plan.level * sweep->value(time.back());
     }
-    const identify::TimeGrid grid{0, 1 / hidden.rate, samples,
-                                  identify::chooseStepsPerSample(model, 1 / hidden.rate)};
+    const identify::TimeGrid grid{0, 1 / hidden.rate, samples, identify::chooseStepsPerSample(model, 1 / hidden.rate)};
     const auto drive = identify::Drive::makeLoad(time, load, {}, grid);
     try {
         return identify::ForwardModel(model).simulate(drive).q;
@@ -254,10 +253,9 @@ Recording recordForward(const HiddenCase& hidden, std::size_t run, std::uint64_t
                     const double at = std::max(0.0, static_cast<double>(k) - delay * hidden.rate);
                     const auto first = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(at) - 1, 0, row.size() - 4);
                     const double u = at - static_cast<double>(first + 1);
-                    channel.values.push_back(-row[first] * u * (u - 1) * (u - 2) / 6 +
-                                             row[first + 1] * (u + 1) * (u - 1) * (u - 2) / 2 -
-                                             row[first + 2] * (u + 1) * u * (u - 2) / 2 +
-                                             row[first + 3] * (u + 1) * u * (u - 1) / 6);
+                    channel.values.push_back(
+                        -row[first] * u * (u - 1) * (u - 2) / 6 + row[first + 1] * (u + 1) * (u - 1) * (u - 2) / 2 -
+                        row[first + 2] * (u + 1) * u * (u - 2) / 2 + row[first + 3] * (u + 1) * u * (u - 1) / 6);
                 }
                 recording.channels.push_back(channel);
             }

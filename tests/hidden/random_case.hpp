@@ -73,8 +73,8 @@ Effect drawEffect(const std::string& cause, MountModel& base, MountModel& truth,
 /// The catalogue's causes.
 const std::vector<std::string>& listCauses();
 
-/// A complete case: effect sizes change the motion by 3 to 50 %, no run is chaotic. Sizes of outside effects are a first
-/// guess.
+/// A complete case: effect sizes change the motion by 3 to 50 %, no run is chaotic. Sizes of outside effects are a
+/// first guess.
 /// @param kind as HiddenCase::kind, or the name of a cause
 HiddenCase drawCase(const std::string& kind, Random& random);
 

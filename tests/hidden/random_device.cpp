@@ -75,9 +75,9 @@ MountModel drawDevice(Random& random) {
         connection.axis[outward].stops = {{side, 1.3 * clearance, 0.4 * stop, 0}};
         model.connections.push_back(connection);
     }
-    model.bracket = {drawMode(random, 64, 16, 2, 0, 4),     drawMode(random, 85, 16, 0, 1, -4),
-                     drawMode(random, 110, 16, 1, 0, 3),    drawMode(random, 150, 50, 2, 0, 6),
-                     drawMode(random, 34, 100, 0, 1, 0.4),  drawMode(random, 38, 100, 1, 0, -0.4),
+    model.bracket = {drawMode(random, 64, 16, 2, 0, 4),    drawMode(random, 85, 16, 0, 1, -4),
+                     drawMode(random, 110, 16, 1, 0, 3),   drawMode(random, 150, 50, 2, 0, 6),
+                     drawMode(random, 34, 100, 0, 1, 0.4), drawMode(random, 38, 100, 1, 0, -0.4),
                      drawMode(random, 43, 140, 2, 0, 0.3)};
     model.bracket_file = "bracket.csv";
     return model;

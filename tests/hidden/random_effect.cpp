@@ -134,7 +134,8 @@ private:
             } else if (coin(0.5)) {
                 set(stop + ".clearance", kInfinity);
             } else {
-                effect_.parameters = {{stop + ".clearance", clearance}, {stop + ".stiffness", now(stop + ".stiffness")}};
+                effect_.parameters = {{stop + ".clearance", clearance},
+                                      {stop + ".stiffness", now(stop + ".stiffness")}};
                 setParameter(base_, stop + ".clearance", kInfinity);
             }
         }
@@ -184,11 +185,26 @@ private:
 }  // namespace
 
 const std::vector<std::string>& listCauses() {
-    static const std::vector<std::string> causes{
-        "cog_offset",   "mass",       "inertia",          "elastomer_stiffness", "stop_stiffness",
-        "clearance",    "preload",    "viscous_damping",  "structural_damping",  "friction",
-        "stop_dissipation", "cubic_stiffness", "relaxation", "stiffness_drift",   "gyroscopic",
-        "sensor_delay", "sensor_gain", "sensor_misalignment", "bracket_mode",    "load"};
+    static const std::vector<std::string> causes{"cog_offset",
+                                                 "mass",
+                                                 "inertia",
+                                                 "elastomer_stiffness",
+                                                 "stop_stiffness",
+                                                 "clearance",
+                                                 "preload",
+                                                 "viscous_damping",
+                                                 "structural_damping",
+                                                 "friction",
+                                                 "stop_dissipation",
+                                                 "cubic_stiffness",
+                                                 "relaxation",
+                                                 "stiffness_drift",
+                                                 "gyroscopic",
+                                                 "sensor_delay",
+                                                 "sensor_gain",
+                                                 "sensor_misalignment",
+                                                 "bracket_mode",
+                                                 "load"};
     return causes;
 }
 

@@ -72,8 +72,8 @@ public:
         rates.segment<3>(3) = on_mobile.force / model_.body.mass;
         const Eigen::Quaterniond q(y[6], y[7], y[8], y[9]), turn = q * Eigen::Quaterniond(0, w.x(), w.y(), w.z());
         rates.segment<4>(6) << 0.5 * turn.w(), 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z();
-        rates.segment<3>(10) = inverse_inertia_ * (mobile.R_GM.transpose() * moment -
-                                                   w.cross(model_.body.inertia * w + model_.body.spin));
+        rates.segment<3>(10) =
+            inverse_inertia_ * (mobile.R_GM.transpose() * moment - w.cross(model_.body.inertia * w + model_.body.spin));
         const double gain = model_.load ? calcLoadGain(*model_.load, sweep_->frequency(t)) : 1.0;
         rates.segment(13, modes()) = y.segment(13 + modes(), modes());
         Eigen::VectorXd accelerations(modes());
