@@ -290,6 +290,12 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
                                                          pass->fit_group.motions, model, kGainScatter);
     tell("free simulations");
     Judge(*pass, model, result).run(identification, judges, faults, on_accelerations);
+    pass->judge_problem.setReference(model);
+    result.spectrum.before = calcMisfitByFrequency(pass->judge_problem, pass->judge_problem.calcResidual(model));
+    result.spectrum.after =
+        calcMisfitByFrequency(pass->judge_problem, pass->judge_problem.calcResidual(pass->selection.fit.model));
+    for (std::size_t i = 0; i < result.spectrum.before.size(); ++i)
+        result.spectrum.frequency.push_back(static_cast<double>(i) + 0.5);
     result.misfit_before = pass->selection.validation_before;
     result.misfit_after = pass->selection.validation_after;
     result.rounds = pass->selection.rounds;

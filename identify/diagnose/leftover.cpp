@@ -78,6 +78,26 @@ double calcMountExcess(const OpenLoopProblem& problem, const WhiteVector& residu
     return calcExcess(problem, residual).first / static_cast<double>(size);
 }
 
+std::vector<double> calcMisfitByFrequency(const OpenLoopProblem& problem, const WhiteVector& residual) {
+    std::vector<double> sum, count;
+    for (std::size_t r = 0; r < problem.runs().size(); ++r) {
+        const auto& whitening = problem.whitening(r);
+        for (Eigen::Index part = 0; part < whitening.size(); part += whitening.mountSize())
+            for (Eigen::Index b = 0; b < whitening.binCount(); ++b) {
+                const auto band = static_cast<std::size_t>(whitening.frequency(b));
+                if (band >= sum.size()) {
+                    sum.resize(band + 1, 0.0);
+                    count.resize(band + 1, 0.0);
+                }
+                sum[band] +=
+                    static_cast<double>(residual.values.segment(problem.offset(r) + part + 12 * b, 12).squaredNorm());
+                count[band] += 12;
+            }
+    }
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] /= count[i];
+    return sum;
+}
+
 std::vector<std::string> findRegimes(const OpenLoopProblem& problem, const MountModel& model) {
     double power[2] = {0, 0}, time[2] = {0, 0};
     for (const auto& run : problem.runs()) {

@@ -94,6 +94,7 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
         return part.acceleration_measured && !part.displacement_measured ? kUnmeasured
                                                                          : knownNoise(part.displacement_noise);
     };
+    result.integrated = run.mobile.acceleration_measured && !run.mobile.displacement_measured;
     result.mobile_noise = displacementNoise(run.mobile);
     result.fixed_noise = result.fixed_measured ? displacementNoise(run.fixed) : 0.0;
     const auto accelerationNoise = [](const PartMotion& part) {

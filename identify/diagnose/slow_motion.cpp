@@ -55,6 +55,9 @@ void restoreSlowMotion(RunMotion& run, const MountModel& model) {
     const auto slow_bins = std::min<Eigen::Index>(
         fourier.binCount(), static_cast<Eigen::Index>(run.trusted_from * fourier.size() * run.interval) + 1);
     const auto window = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(1 / (run.trusted_from * run.interval)));
+    Eigen::MatrixXd acceleration(6, measured.cols());
+    acceleration << run.mobile.a, run.mobile.alpha;
+    const Eigen::MatrixXd inertia = calcMassMatrix(model.body) * acceleration;
     Eigen::MatrixXd slow = Eigen::MatrixXd::Zero(6, measured.cols());
     for (int iteration = 0; iteration < kIterations; ++iteration) {
         // Steps by a stiffness at least as large as the mean one at any time: they never overshoot.
@@ -71,7 +74,7 @@ void restoreSlowMotion(RunMotion& run, const MountModel& model) {
         }
         const Eigen::LLT<Eigen::Matrix<double, 6, 6>> factor(stiffness);
         if (factor.info() != Eigen::Success) return;
-        Eigen::MatrixXcd spectra = fourier.forward(directions * force);
+        Eigen::MatrixXcd spectra = fourier.forward(inertia + directions * force);
         spectra.rightCols(spectra.cols() - slow_bins).setZero();
         slow -= factor.solve(fourier.inverse(spectra, static_cast<int>(measured.cols())));
     }
