@@ -24,8 +24,9 @@ constexpr double kFloors = 1.5;        // the verdict's limits: noise floors …
 constexpr double kLeastError = 0.03;   // … and error
 constexpr int kPasses = 3;
 constexpr double kDoubtful = 0.4;  // probability of a cause that is not named
-constexpr double kAlone = 0.9;     // share of the base model's residual that one axis must carry to be the place of all
-constexpr double kOpenLoopEnough = 1.25;  // misfit per value of a model that is right but cannot be predicted freely
+constexpr double kNamed = 0.5;
+constexpr double kAlone = 0.9;  // share of the base model's residual that one axis must carry to be the place of all
+constexpr double kOpenLoopEnough = 1.5;  // misfit per value of a model that is right but cannot be predicted freely
 
 /// Accelerations next to complete displacements serve the consistency of channels; the equations take one kind, so
 /// that no weighting between two kinds can colour their residual.
@@ -181,6 +182,7 @@ public:
         for (const auto& without : pass_.selection.models_without)
             errors_without.push_back(calcFreeError(pass_.judge_group.free_runs, without).error);
         result_.causes = makeCauseReports(pass_.selection, errors_without, after, unexplained);
+        if (unexplained && !one_place) locateLeftover();
         if (one_place)
             for (auto& cause : result_.causes) cause.probability = std::min(cause.probability, kDoubtful);
         for (std::size_t i = 0; i < faults.size(); ++i) {
@@ -216,11 +218,7 @@ private:
         pass_.fit_problem.setReference(model_);
         const auto residual = pass_.fit_problem.calcResidual(model_);
         const auto place = calcPlaceShares(pass_.fit_problem, model_, residual).front();
-        if (place.share < kAlone) {
-            const auto& fit = pass_.selection.fit;
-            result_.unexplained_where = locateResidual(pass_.fit_problem, fit.model, fit.residual);
-            return false;
-        }
+        if (place.share < kAlone) return false;
         const auto elsewhere = [&](const Candidate& candidate) {
             return std::any_of(candidate.where.begin(), candidate.where.end(),
                                [&](const std::string& where) { return where.rfind(place.name, 0) != 0; });
@@ -238,6 +236,14 @@ private:
         for (const auto& regime : findRegimes(pass_.fit_problem, result_.extended))
             result_.unexplained_where.push_back(regime);
         return true;
+    }
+
+    /// Where no axis alone carries all: seen from the model with what is named, without what is not.
+    void locateLeftover() {
+        const bool named = std::any_of(result_.causes.begin(), result_.causes.end(),
+                                       [](const Cause& cause) { return cause.probability >= kNamed; });
+        const MountModel& seen = named ? pass_.selection.fit.model : model_;
+        result_.unexplained_where = locateResidual(pass_.fit_problem, seen, pass_.fit_problem.calcResidual(seen));
     }
 
     /// What makes the simulation worse is no extension.
