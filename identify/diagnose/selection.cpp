@@ -61,6 +61,7 @@ public:
         if (result_.accepted.size() > 1) exchange();
         removeIdle();
         split();
+        compareWithValidation();
         judge();
         result_.identification_after = perValue(identification_, result_.fit.misfit);
         result_.validation_after = validate(result_.fit.model);
@@ -277,6 +278,19 @@ private:
                 result_.fit = fit;
                 setReference(fit.model);
             }
+        }
+    }
+
+    /// What noise alone does not explain between two sets of runs belongs into the intervals.
+    void compareWithValidation() {
+        const auto knobs = collectKnobs(result_.accepted);
+        if (knobs.empty()) return;
+        const auto other = fitParameters(validation_, result_.fit.model, knobs, 4);
+        for (std::size_t i = 0; i < knobs.size(); ++i) {
+            const auto k = static_cast<Eigen::Index>(i);
+            const double variance = result_.fit.covariance(k, k) + other.covariance(k, k);
+            const double difference = std::abs(other.values[i] - result_.fit.values[i]);
+            result_.discrepancy.push_back(variance > 0 ? std::max(1.0, difference / std::sqrt(variance)) : 1.0);
         }
     }
 

@@ -36,6 +36,8 @@ struct Selection {
     std::vector<double> without;             ///< validation misfit without it, the others refitted
     std::vector<MountModel> models_without;  ///< the models of these misfits
     ParameterFit fit;                        ///< all accepted together, on the identification runs
+    /// For each value of the fit: by how many standard deviations the validation runs alone want another; at least 1.
+    std::vector<double> discrepancy;
     double identification_before = 0, validation_before = 0;
     double identification_after = 0, validation_after = 0;
     std::vector<Round> rounds;
