@@ -8,6 +8,7 @@
 #include "identify/cli/campaign.hpp"
 #include "identify/cli/command.hpp"
 #include "identify/cli/diagnosis_output.hpp"
+#include "identify/cli/diagnosis_report.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/diagnose/diagnosis.hpp"
 #include "models/error.hpp"
@@ -33,6 +34,9 @@ void runDiagnose(DiagnoseArguments arguments) {
     if (terminal) std::cerr << "\r\033[K" << std::flush;
     if (!arguments.output.empty()) writeMountModel(diagnosis.extended, arguments.output);
     writeJson(makeDiagnosisJson(diagnosis), arguments.common);
+    if (!arguments.common.report_file.empty())
+        writeDiagnosisReport(diagnosis, model.name.empty() ? arguments.model : model.name,
+                             arguments.common.report_file);
     if (arguments.common.json_file != "-") {
         for (const auto* group : {&identification, &validation})
             for (const auto& recording : *group)

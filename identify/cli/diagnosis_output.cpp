@@ -84,7 +84,8 @@ std::string formatDiagnosis(const Diagnosis& diagnosis) {
             " before, " + formatNumber(diagnosis.misfit_after, 4) + " after (1 = noise alone)\n";
     for (std::size_t r = 0; r < diagnosis.rounds.size(); ++r) {
         const auto& round = diagnosis.rounds[r];
-        text += "\nRound " + std::to_string(r + 1) + ": " + round.reason + "\n";
+        text += "\nRound " + std::to_string(r + 1) + ": " + round.reason + "; a force along " + round.place +
+                " alone could make " + percent(round.place_share) + " of what the mount leaves\n";
         Table table({"candidate", "identification", "validation", ""});
         for (std::size_t i = 0; i < round.trials.size(); ++i) {
             const auto& trial = round.trials[i];

@@ -1,11 +1,29 @@
 // The executable `identify`: commands on recordings.
+#include <cstdlib>
 #include <exception>
 #include <iostream>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "identify/cli/command.hpp"
 #include "models/error.hpp"
 
+namespace {
+
+/// Matrices of some megabytes come and go by the thousand; glibc would map and unmap, and the kernel zero, each one.
+void keepFreedMemory() {
+#ifdef __GLIBC__
+    constexpr int largest = 32 << 20, kept = 1 << 30;
+    mallopt(M_MMAP_THRESHOLD, largest);
+    mallopt(M_TRIM_THRESHOLD, kept);
+#endif
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+    keepFreedMemory();
     CLI::App app{"Identify mounts with elastomers and stops from recordings."};
     app.name("identify");
     app.require_subcommand(1);

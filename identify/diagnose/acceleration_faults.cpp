@@ -15,6 +15,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 constexpr const char* kAxes[3] = {"x", "y", "z"};
 constexpr double kPass = 55.0, kStop = 110.0, kRate = 400.0;  // Hz
 constexpr double kLeastGain = 60.0, kLeastShare = 0.5;
+constexpr double kAttenuation = 0.2;  // how well the noise of the predictions is known
 constexpr double kScatters = 6.0, kLeastDelay = 2e-5, kLeastRotation = 4e-3;  // -, s, rad
 
 /// Sums over the samples of one triax: predicted accelerations and their rates z (6), misfit d (3).
@@ -23,10 +24,18 @@ struct TriaxMoments {
     Eigen::Matrix<double, 3, 6> misfit = Eigen::Matrix<double, 3, 6>::Zero();
     Eigen::Vector3d square = Eigen::Vector3d::Zero();
     double independent = 0;  // values of one channel
+    double noise = 0;        // of the predictions, in the units of signal
 };
 
+/// Variance of the second derivative of unit white noise.
+double calcNoiseGain(const SmoothingKernel& kernel) {
+    Eigen::MatrixXd impulse = Eigen::MatrixXd::Zero(1, 4 * kernel.halfWidth() + 1);
+    impulse(0, 2 * kernel.halfWidth()) = 1;
+    return kernel.apply(impulse, 2, 1).squaredNorm();
+}
+
 bool addRun(const Recording& recording, const RunMotion& motion, const PartMotion& part, const std::string& triad,
-            const Eigen::Vector3d& position, TriaxMoments& moments) {
+            const Eigen::Vector3d& position, double leverage, TriaxMoments& moments) {
     if (recording.sampleCount() != motion.time.size()) return false;
     const auto samples = static_cast<Eigen::Index>(recording.sampleCount());
     Eigen::MatrixXd measured(3, samples), point(3, samples);
@@ -50,6 +59,16 @@ bool addRun(const Recording& recording, const RunMotion& motion, const PartMotio
         moments.signal += z * z.transpose();
         moments.misfit += d * z.transpose();
         moments.square += d.cwiseAbs2();
+    }
+    // Noise of the displacements that predict would pass for a gain below one: its mean is taken out.
+    const double power = static_cast<double>(std::max<Eigen::Index>(0, s.cols() - 2 * margin)) * leverage *
+                         part.displacement_noise * part.displacement_noise * calcNoiseGain(kernel);
+    if (std::isfinite(power)) {
+        moments.noise += power;
+        for (int a = 0; a < 3; ++a) {
+            moments.signal(a, a) -= power;
+            moments.misfit(a, a) += power;
+        }
     }
     moments.independent += static_cast<double>(s.cols()) * interval * 2 * kPass;
     return true;
@@ -108,7 +127,10 @@ void testTriax(const TriaxMoments& moments, const std::string& triad, double gai
         const Eigen::VectorXd values = normal.ldlt().solve(right);
         const Eigen::VectorXd errors = normal.inverse().diagonal().cwiseAbs().cwiseSqrt();
         const double gain = values.dot(right) - 30.0 * static_cast<double>(count);
-        const bool large = hypothesis.cause == "sensor_gain"    ? std::abs(values[0]) > kScatters * gain_scatter
+        const double signal = std::max(moments.signal.diagonal().head<3>().minCoeff(), 1e-300);
+        const double attenuation = kAttenuation * moments.noise / signal;
+        const bool large = hypothesis.cause == "sensor_gain"
+                               ? std::abs(values[0]) > kScatters * gain_scatter + attenuation
                            : hypothesis.cause == "sensor_delay" ? std::abs(values[0]) > kLeastDelay
                                                                 : values.norm() > kLeastRotation;
         if (gain <= best || !large) continue;
@@ -141,11 +163,12 @@ std::vector<ChannelFault> findAccelerationFaults(const std::vector<Recording>& r
         for (const auto& connection : model.connections) {
             const std::string triad = (mobile ? "mobile." : "fixed.") + connection.name;
             TriaxMoments moments;
+            const double leverage = 2.0 / static_cast<double>(model.connections.size());  // of a rigid fit, on average
             bool complete = true;
             for (std::size_t r = 0; r < recordings.size() && complete; ++r) {
                 const PartMotion& part = mobile ? motions[r].mobile : motions[r].fixed;
                 complete = part.displacement_measured &&
-                           addRun(recordings[r], motions[r], part, triad, connection.position, moments);
+                           addRun(recordings[r], motions[r], part, triad, connection.position, leverage, moments);
             }
             if (complete && moments.independent > 0) testTriax(moments, triad, gain_scatter, faults);
         }

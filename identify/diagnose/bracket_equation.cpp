@@ -18,7 +18,9 @@ constexpr double kPadding = 10.0;  // s for the response to die out
 
 std::complex<double> calcModalResponse(const BracketMode& mode, double w) {
     const double w0 = kTwoPi * mode.frequency;
-    return 1.0 / std::complex<double>(w0 * w0 - w * w, 2 * mode.damping_ratio * w0 * w);
+    const double real = w0 * w0 - w * w, imaginary = 2 * mode.damping_ratio * w0 * w;
+    const double square = real * real + imaginary * imaginary;
+    return {real / square, -imaginary / square};
 }
 
 BracketEquation::BracketEquation(const OpenLoopRun& run)
@@ -80,6 +82,36 @@ Eigen::MatrixXd BracketEquation::calcLoadForces(const MountModel& model) const {
 Eigen::MatrixXd BracketEquation::calcPrediction(const MountModel& model) const {
     const Eigen::MatrixXd demand = calcDemand(*run_, model.body, model.gravity);
     return calcResponse(model, calcModalForces(model, demand) + calcLoadForces(model));
+}
+
+Eigen::MatrixXcd BracketEquation::calcForceSpectra(const MountModel& model) const {
+    const Eigen::MatrixXd demand = calcDemand(*run_, model.body, model.gravity);
+    return fourier_.forward(calcModalForces(model, demand) + calcLoadForces(model));
+}
+
+Eigen::MatrixXd BracketEquation::calcModesDifference(const MountModel& from, const MountModel& to,
+                                                     const Eigen::MatrixXcd& force_spectra) const {
+    Eigen::MatrixXd difference = Eigen::MatrixXd::Zero(6, run_->sampleCount());
+    const double step = kTwoPi / (fourier_.size() * run_->interval);
+    for (std::size_t j = 0; j < to.bracket.size(); ++j) {
+        const auto &before = from.bracket[j], &after = to.bracket[j];
+        if (before.frequency == after.frequency && before.damping_ratio == after.damping_ratio) continue;
+        Eigen::MatrixXcd coordinate(1, force_spectra.cols());
+        for (Eigen::Index k = 0; k < force_spectra.cols(); ++k) {
+            const double w = step * static_cast<double>(k);
+            coordinate(0, k) = (calcModalResponse(after, w) - calcModalResponse(before, w)) *
+                               force_spectra(static_cast<Eigen::Index>(j), k);
+        }
+        Eigen::Matrix<double, 6, 1> shape;
+        shape << after.translation, after.rotation;
+        difference += shape * fourier_.inverse(coordinate, run_->sampleCount());
+    }
+    return difference;
+}
+
+Eigen::MatrixXd BracketEquation::calcBodyDifference(const MountModel& from, const MountModel& to) const {
+    const Eigen::MatrixXd demand = calcDemand(*run_, to.body, to.gravity) - calcDemand(*run_, from.body, from.gravity);
+    return calcResponse(to, calcModalForces(to, demand));
 }
 
 Eigen::MatrixXd BracketEquation::calcResidual(const MountModel& model) const {

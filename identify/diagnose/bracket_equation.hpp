@@ -33,6 +33,15 @@ public:
     /// Modal forces of the load (with the model's correction) and the base acceleration.
     Eigen::MatrixXd calcLoadForces(const MountModel& model) const;
 
+    /// Spectra of all modal forces of a model: modes x bins.
+    Eigen::MatrixXcd calcForceSpectra(const MountModel& model) const;
+    /// Change of the prediction where modes alone differ, in frequency or damping ratio.
+    /// @param force_spectra those of `from`
+    Eigen::MatrixXd calcModesDifference(const MountModel& from, const MountModel& to,
+                                        const Eigen::MatrixXcd& force_spectra) const;
+    /// Change of the prediction where the mobile body alone differs.
+    Eigen::MatrixXd calcBodyDifference(const MountModel& from, const MountModel& to) const;
+
     /// Predicted minus measured motion.
     Eigen::MatrixXd calcResidual(const MountModel& model) const;
 

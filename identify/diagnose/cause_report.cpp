@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kConvincing = 4.0;  // excess without a cause over that with it, where much is left unexplained
 constexpr double kDoubtful = 0.4;
+constexpr double kSystematic = 0.002;  // of a value: calibration, smoothing, sampling; half of a 95 % interval
 constexpr double kCertain = 0.999;
 constexpr double kLargestGain = 120.0;  // dB
 
@@ -39,8 +40,12 @@ std::vector<CauseParameter> makeParameters(const Candidate& candidate, const Mou
     for (std::size_t k = candidate.knobs.size(); k-- > 0;) {
         const auto& knob = candidate.knobs[k];
         for (std::size_t i = knob.names.size(); i-- > 0;) {
-            const double width = half_widths.empty() ? 0 : half_widths[k] * (knob.isFactor() ? knob.base[i] : 1.0);
-            parameters.push_back(makeParameter(knob.names[i], getParameter(model, knob.names[i]), std::abs(width)));
+            const double value = getParameter(model, knob.names[i]);
+            const double width =
+                half_widths.empty()
+                    ? 0
+                    : std::hypot(half_widths[k] * (knob.isFactor() ? knob.base[i] : 1.0), kSystematic * value);
+            parameters.push_back(makeParameter(knob.names[i], value, width));
         }
     }
     if (candidate.cause != "clearance") std::reverse(parameters.begin(), parameters.end());
@@ -60,10 +65,11 @@ void sortByGain(std::vector<Cause>& causes) {
 
 }  // namespace
 
-void addSensorCause(const ChannelFault& fault, double error_ratio, std::vector<Cause>& causes) {
+void addSensorCause(const ChannelFault& fault, double error_ratio, bool unexplained, std::vector<Cause>& causes) {
     Cause cause;
     cause.cause = fault.cause;
-    cause.probability = kCertain;
+    const bool side = fault.fault.channel.find('.') == std::string::npos;
+    cause.probability = unexplained && side && error_ratio < std::sqrt(kConvincing) ? kDoubtful : kCertain;
     cause.gain_db = toDecibel(error_ratio);
     const std::string channel = channelName(fault.fault.channel);
     cause.where = {channel};
@@ -81,7 +87,7 @@ void addSensorCause(const ChannelFault& fault, double error_ratio, std::vector<C
         std::find_if(causes.begin(), causes.end(), [&](const Cause& c) { return c.cause == cause.cause; });
     if (known == causes.end()) {
         causes.push_back(cause);
-    } else {
+    } else if (std::find(known->where.begin(), known->where.end(), channel) == known->where.end()) {
         known->where.push_back(channel);
         known->parameters.insert(known->parameters.end(), cause.parameters.begin(), cause.parameters.end());
         known->gain_db = std::max(known->gain_db, cause.gain_db);
@@ -114,7 +120,8 @@ std::vector<Cause> makeCauseReports(const Selection& selection, const std::vecto
         const auto& candidate = selection.accepted[i];
         std::vector<double> half_widths;
         for (std::size_t k = 0; k < candidate.knobs.size(); ++k, ++first)
-            half_widths.push_back(quantile * std::sqrt(std::max(0.0, selection.fit.covariance(first, first))));
+            half_widths.push_back(quantile * selection.discrepancy[static_cast<std::size_t>(first)] *
+                                  std::sqrt(std::max(0.0, selection.fit.covariance(first, first))));
         Cause cause;
         cause.cause = candidate.cause;
         cause.where = candidate.where;

@@ -19,7 +19,9 @@ std::vector<Cause> makeCauseReports(const Selection& selection, const std::vecto
 
 /// A faulty channel as a cause, in its place by gain; several of one kind become one cause.
 /// @param error_ratio validation error with the fault left in over that with it corrected
-void addSensorCause(const ChannelFault& fault, double error_ratio, std::vector<Cause>& causes);
+/// @param unexplained a significant part is left: a fault of a whole side, which rests on the laws, is then not named
+/// unless the error without it is much larger
+void addSensorCause(const ChannelFault& fault, double error_ratio, bool unexplained, std::vector<Cause>& causes);
 
 /// The run that would tell two causes apart.
 std::string findSeparatingRun(const Candidate& named, const Candidate& rival);

@@ -30,7 +30,8 @@ std::vector<double> advance(const std::vector<double>& values, double delay, dou
     return result;
 }
 
-bool applies(const SensorFault& fault, const std::string& channel) {
+/// @param displacements whether the recording has any
+bool applies(const SensorFault& fault, const std::string& channel, bool displacements) {
     if (channel == fault.channel) return true;
     const auto name = parseChannelName(channel);
     if (!name) return false;
@@ -39,10 +40,18 @@ bool applies(const SensorFault& fault, const std::string& channel) {
     const std::string triad = side + "." + name->connection;
     if (name->derivative == Derivative::displacement) return fault.channel == side || fault.channel == triad;
     return name->derivative == Derivative::acceleration &&
-           (fault.channel == triad + ".a" || fault.channel == side + ".a");
+           (fault.channel == triad + ".a" || (fault.channel == side && !displacements));
 }
 
-void rotateBack(Recording& recording, const SensorFault& fault) {
+bool hasDisplacements(const Recording& recording) {
+    return std::any_of(recording.channels.begin(), recording.channels.end(), [](const Channel& channel) {
+        const auto name = parseChannelName(channel.name);
+        return name && (name->part == Part::mobile || name->part == Part::fixed) &&
+               name->derivative == Derivative::displacement;
+    });
+}
+
+void rotateBack(Recording& recording, const SensorFault& fault, bool displacements) {
     const Eigen::Matrix3d R = rotationFromVector(fault.rotation).transpose();
     for (const char* side : {"mobile", "fixed"})
         for (const auto& connection : recording.connections(std::string(side) == "mobile" ? Part::mobile : Part::fixed))
@@ -51,7 +60,7 @@ void rotateBack(Recording& recording, const SensorFault& fault) {
                 for (auto& channel : recording.channels)
                     for (int a = 0; a < 3; ++a)
                         if (channel.name == std::string(side) + "." + connection + "." + prefix + kAxes[a] &&
-                            applies(fault, channel.name))
+                            applies(fault, channel.name, displacements))
                             axis[a] = &channel;
                 if (!axis[0] || !axis[1] || !axis[2]) continue;
                 for (std::size_t k = 0; k < axis[0]->values.size(); ++k) {
@@ -67,14 +76,15 @@ void rotateBack(Recording& recording, const SensorFault& fault) {
 Recording correctChannels(const Recording& recording, const std::vector<SensorFault>& faults) {
     Recording result = recording;
     const double interval = recording.sampleInterval();
+    const bool displacements = hasDisplacements(recording);
     for (const auto& fault : faults) {
         for (auto& channel : result.channels) {
-            if (!applies(fault, channel.name)) continue;
+            if (!applies(fault, channel.name, displacements)) continue;
             if (fault.gain != 1)
                 for (double& value : channel.values) value /= fault.gain;
             if (fault.delay != 0) channel.values = advance(channel.values, fault.delay, interval);
         }
-        if (!fault.rotation.isZero(0.0)) rotateBack(result, fault);
+        if (!fault.rotation.isZero(0.0)) rotateBack(result, fault, displacements);
     }
     return result;
 }

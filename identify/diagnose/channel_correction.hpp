@@ -10,8 +10,9 @@
 namespace wems::identify {
 
 /// The recording as it would be without the faults. A fault names a channel (`mobile.1.az`), a triax (`mobile.1`, which
-/// takes its displacements, or `mobile.1.a`, its accelerations) or the displacements of a side (`mobile`, `fixed`).
-/// Delays by cubic interpolation; samples beyond the ends are held.
+/// takes its displacements, or `mobile.1.a`, its accelerations) or a side (`mobile`, `fixed`): its displacements, or
+/// its accelerations where no displacements were recorded. Delays by cubic interpolation; samples beyond the ends are
+/// held.
 Recording correctChannels(const Recording& recording, const std::vector<SensorFault>& faults);
 
 }  // namespace wems::identify

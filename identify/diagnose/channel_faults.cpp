@@ -6,6 +6,7 @@
 
 #include "identify/diagnose/channel_correction.hpp"
 #include "identify/diagnose/smoothing_kernel.hpp"
+#include "identify/motion/motion.hpp"
 #include "identify/motion/rigid_fit.hpp"
 
 namespace wems::identify {
@@ -35,12 +36,22 @@ Moments calcMoments(const std::vector<Recording>& recordings, const MountModel& 
     double noise_square = 0, noise_count = 0, step_interval = 0, raw_interval = 0;
     for (const auto& recording : recordings) {
         ChannelSet set = collectChannels(recording, model, part, Derivative::displacement);
+        const bool accelerations = set.empty();
+        if (accelerations) set = collectChannels(recording, model, part, Derivative::acceleration);
         if (set.count() < 7) return {};
         const RigidFit fit(set, BodyMotion{});
         if (!fit.undetermined().empty()) return {};
         Eigen::Matrix3Xd p, theta;
         Eigen::MatrixXd residuals;
-        fit.solvePoses(p, theta, &residuals);
+        if (accelerations) {
+            // The centripetal terms are of second order: the angular velocity may come from faulty channels.
+            const RunMotion motion = estimateMotion(recording, model);
+            const PartMotion& own = part == Part::mobile ? motion.mobile : motion.fixed;
+            if (own.theta.cols() != set.values.cols()) return {};
+            fit.solveAccelerations(own.theta, own.w, p, theta, &residuals);
+        } else {
+            fit.solvePoses(p, theta, &residuals);
+        }
         const Eigen::MatrixXd rigid = set.values - residuals;
         raw_interval = recording.sampleInterval();
         const double nyquist = 0.5 / raw_interval, stop = std::min(kStop, 0.95 * nyquist);
@@ -85,8 +96,10 @@ struct Hypothesis {
     std::vector<Eigen::MatrixXd> maps;  // m x 2m: perturbation of the channels = map · z for a unit of each number
 };
 
+/// `mobile.1`, or `mobile.1.a` of an accelerometer.
 std::string triadOf(const MarkerChannel& channel) {
-    return channel.name.substr(0, channel.name.rfind('.'));
+    const auto dot = channel.name.rfind('.');
+    return channel.name.substr(0, dot + 2 < channel.name.size() ? dot + 2 : dot);
 }
 
 std::vector<Hypothesis> listHypotheses(const std::vector<MarkerChannel>& channels) {

@@ -1,5 +1,6 @@
 /// @file
-/// Faulty displacement channels, from the consistency of a rigid part alone: no force law enters.
+/// Faulty channels (displacements, or accelerations where there are no displacements), from the consistency of a rigid
+/// part alone: no force law enters.
 ///
 /// With m channels of a rigid part and P the projector on what no rigid motion can make, the rigid fit leaves
 /// e = P (noise + Σ faults). A fault acts linearly, for small ones, on the signals s of the rigid motion and their

@@ -11,6 +11,7 @@
 #include "identify/diagnose/channel_faults.hpp"
 #include "identify/diagnose/free_error.hpp"
 #include "identify/diagnose/leftover.hpp"
+#include "identify/diagnose/slow_motion.hpp"
 #include "identify/motion/motion.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "models/error.hpp"
@@ -22,7 +23,10 @@ constexpr double kGainScatter = 1e-3;  // ordinary calibration of a channel
 constexpr double kFloors = 1.5;        // the verdict's limits: noise floors …
 constexpr double kLeastError = 0.03;   // … and error
 constexpr int kPasses = 3;
-constexpr double kOpenLoopEnough = 2.0;  // misfit per value of a model that is right but cannot be predicted freely
+constexpr double kDoubtful = 0.4;  // probability of a cause that is not named
+constexpr double kNamed = 0.5;
+constexpr double kAlone = 0.9;  // share of the base model's residual that one axis must carry to be the place of all
+constexpr double kOpenLoopEnough = 1.5;  // misfit per value of a model that is right but cannot be predicted freely
 
 /// Accelerations next to complete displacements serve the consistency of channels; the equations take one kind, so
 /// that no weighting between two kinds can colour their residual.
@@ -56,6 +60,7 @@ struct Group {
         for (const auto& recording : recordings) {
             const Recording used = withoutAccelerations(recording, model);
             motions.push_back(estimateMotion(used, model));
+            restoreSlowMotion(motions.back(), model);
             swept.push_back(findSweptFrequency(used).hertz);
             free_runs.push_back({nullptr, calcMeasuredRelative(used, motions.back(), model)});
         }
@@ -138,41 +143,127 @@ bool moveSideFaults(const Selection& selection, std::vector<ChannelFault>& fault
     return moved;
 }
 
-/// Errors of free simulations before and after, with and without each cause, and what follows from them.
-void judge(const Pass& pass, const std::vector<Recording>& identification, const std::vector<Recording>& judges,
-           std::vector<ChannelFault> faults, const std::vector<ChannelFault>& on_accelerations, const MountModel& model,
-           Diagnosis& result) {
-    const Selection& selection = pass.selection;
-    const auto before = calcFreeError(pass.fit_group.free_runs, model),
-               judged_before = calcFreeError(pass.judge_group.free_runs, model);
-    result.error_before = result.error_after = {before.error, judged_before.error};
-    result.noise_floor = {before.noise_floor, judged_before.noise_floor};
-    if (!faults.empty())
-        result.error_before = {calcFreeError(Group(identification, model).free_runs, model).error,
-                               calcFreeError(Group(judges, model).free_runs, model).error};
-    double after = judged_before.error;
-    std::vector<double> errors_without;
-    if (!selection.accepted.empty()) {
-        after = calcFreeError(pass.judge_group.free_runs, result.extended).error;
-        result.error_after = {calcFreeError(pass.fit_group.free_runs, result.extended).error, after};
-        for (const auto& without : selection.models_without)
-            errors_without.push_back(calcFreeError(pass.judge_group.free_runs, without).error);
+/// A triax of accelerometers (`mobile.1.a`) becomes its three channels.
+void addSensor(const SensorFault& fault, MountModel& model) {
+    const auto size = fault.channel.size();
+    if (size < 2 || fault.channel.compare(size - 2, 2, ".a") != 0) {
+        model.sensors.push_back(fault);
+        return;
     }
-    const bool unexplained = isLarge(after, judged_before.noise_floor) && selection.validation_after > kOpenLoopEnough;
-    result.causes = makeCauseReports(selection, errors_without, after, unexplained);
-    for (std::size_t i = 0; i < faults.size(); ++i) {
-        const Group with_fault(correct(judges, faults, i), model);
-        addSensorCause(faults[i], calcFreeError(with_fault.free_runs, result.extended).error / after, result.causes);
+    for (const char* axis : {"x", "y", "z"}) {
+        model.sensors.push_back(fault);
+        model.sensors.back().channel += axis;
     }
-    for (const auto& fault : on_accelerations) addSensorCause(fault, 1.0, result.causes);
-    faults.insert(faults.end(), on_accelerations.begin(), on_accelerations.end());
-    for (const auto& fault : faults) result.extended.sensors.push_back(fault.fault);
-    result.verdict = unexplained             ? Diagnosis::Verdict::unexplained
-                     : result.causes.empty() ? Diagnosis::Verdict::nothing_missing
-                                             : Diagnosis::Verdict::explained;
-    if (unexplained)
-        result.unexplained_where = locateResidual(pass.fit_problem, selection.fit.model, selection.fit.residual);
 }
+
+/// Errors of free simulations before and after, with and without each cause, and what follows from them.
+class Judge {
+public:
+    Judge(Pass& pass, const MountModel& model, Diagnosis& result) : pass_(pass), model_(model), result_(result) {}
+
+    void run(const std::vector<Recording>& identification, const std::vector<Recording>& judges,
+             std::vector<ChannelFault> faults, const std::vector<ChannelFault>& on_accelerations) {
+        const auto before = calcFreeError(pass_.fit_group.free_runs, model_),
+                   judged_before = calcFreeError(pass_.judge_group.free_runs, model_);
+        corrected_before_ = {before.error, judged_before.error};
+        result_.error_before = corrected_before_;
+        result_.noise_floor = {before.noise_floor, judged_before.noise_floor};
+        if (!faults.empty())
+            result_.error_before = {calcFreeError(Group(identification, model_).free_runs, model_).error,
+                                    calcFreeError(Group(judges, model_).free_runs, model_).error};
+        measureAfter();
+        const bool unexplained = isUnexplained();
+        const bool one_place = unexplained && leaveOnePlace();
+        if (unexplained && !pass_.selection.accepted.empty() &&
+            result_.error_after.validation > corrected_before_.validation)
+            dropCauses();
+        const double after = result_.error_after.validation;
+        std::vector<double> errors_without;
+        for (const auto& without : pass_.selection.models_without)
+            errors_without.push_back(calcFreeError(pass_.judge_group.free_runs, without).error);
+        result_.causes = makeCauseReports(pass_.selection, errors_without, after, unexplained);
+        if (unexplained && !one_place) locateLeftover();
+        if (one_place)
+            for (auto& cause : result_.causes) cause.probability = std::min(cause.probability, kDoubtful);
+        for (std::size_t i = 0; i < faults.size(); ++i) {
+            const Group with_fault(correct(judges, faults, i), model_);
+            addSensorCause(faults[i], calcFreeError(with_fault.free_runs, result_.extended).error / after, unexplained,
+                           result_.causes);
+        }
+        for (const auto& fault : on_accelerations) addSensorCause(fault, 1.0, unexplained, result_.causes);
+        faults.insert(faults.end(), on_accelerations.begin(), on_accelerations.end());
+        for (const auto& fault : faults) addSensor(fault.fault, result_.extended);
+        result_.verdict = unexplained              ? Diagnosis::Verdict::unexplained
+                          : result_.causes.empty() ? Diagnosis::Verdict::nothing_missing
+                                                   : Diagnosis::Verdict::explained;
+    }
+
+private:
+    void measureAfter() {
+        result_.extended = pass_.selection.fit.model;
+        result_.error_after = corrected_before_;
+        if (!pass_.selection.accepted.empty())
+            result_.error_after = {calcFreeError(pass_.fit_group.free_runs, result_.extended).error,
+                                   calcFreeError(pass_.judge_group.free_runs, result_.extended).error};
+    }
+
+    bool isUnexplained() const {
+        return isLarge(result_.error_after.validation, result_.noise_floor.validation) &&
+               pass_.selection.validation_after > kOpenLoopEnough;
+    }
+
+    /// If a force along one axis could make nearly all that the model without any extension leaves, that axis is the
+    /// place, and causes that were accepted elsewhere only made up for it. True if so.
+    bool leaveOnePlace() {
+        pass_.fit_problem.setReference(model_);
+        const auto residual = pass_.fit_problem.calcResidual(model_);
+        const auto place = calcPlaceShares(pass_.fit_problem, model_, residual).front();
+        if (place.share < kAlone) return false;
+        const auto elsewhere = [&](const Candidate& candidate) {
+            return std::any_of(candidate.where.begin(), candidate.where.end(),
+                               [&](const std::string& where) { return where.rfind(place.name, 0) != 0; });
+        };
+        auto& accepted = pass_.selection.accepted;
+        if (std::any_of(accepted.begin(), accepted.end(), elsewhere)) {
+            SelectionOptions options;
+            options.only_place = place.name;
+            const auto rounds = std::move(pass_.selection.rounds);
+            pass_.selection = selectCauses(pass_.fit_problem, pass_.judge_problem, model_, options);
+            pass_.selection.rounds.insert(pass_.selection.rounds.begin(), rounds.begin(), rounds.end());
+            measureAfter();
+        }
+        result_.unexplained_where = {place.name};
+        for (const auto& regime : findRegimes(pass_.fit_problem, result_.extended))
+            result_.unexplained_where.push_back(regime);
+        return true;
+    }
+
+    /// Where no axis alone carries all: seen from the model with what is named, without what is not.
+    void locateLeftover() {
+        const bool named = std::any_of(result_.causes.begin(), result_.causes.end(),
+                                       [](const Cause& cause) { return cause.probability >= kNamed; });
+        const MountModel& seen = named ? pass_.selection.fit.model : model_;
+        result_.unexplained_where = locateResidual(pass_.fit_problem, seen, pass_.fit_problem.calcResidual(seen));
+    }
+
+    /// What makes the simulation worse is no extension.
+    void dropCauses() {
+        auto& selection = pass_.selection;
+        selection.accepted.clear();
+        selection.models_without.clear();
+        selection.without.clear();
+        selection.rivals.clear();
+        selection.fit.model = model_;
+        selection.validation_after = selection.validation_before;
+        selection.identification_after = selection.identification_before;
+        measureAfter();
+    }
+
+    Pass& pass_;
+    const MountModel& model_;
+    Diagnosis& result_;
+    GroupError corrected_before_;
+};
 
 }  // namespace
 
@@ -197,19 +288,23 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
         tell("equations of motion with corrected channels");
         pass = std::make_unique<Pass>(identification, judges, faults, model, selection_options);
     }
-    const Selection& selection = pass->selection;
     for (const auto& motion : pass->fit_group.motions)
         for (const auto& note : motion.notes)
             if (std::find(result.notes.begin(), result.notes.end(), note) == result.notes.end())
                 result.notes.push_back(note);
-    result.misfit_before = selection.validation_before;
-    result.misfit_after = selection.validation_after;
-    result.rounds = selection.rounds;
-    result.extended = selection.fit.model;
     const auto on_accelerations = findAccelerationFaults(correct(identification, faults, faults.size()),
                                                          pass->fit_group.motions, model, kGainScatter);
     tell("free simulations");
-    judge(*pass, identification, judges, faults, on_accelerations, model, result);
+    Judge(*pass, model, result).run(identification, judges, faults, on_accelerations);
+    pass->judge_problem.setReference(model);
+    result.spectrum.before = calcMisfitByFrequency(pass->judge_problem, pass->judge_problem.calcResidual(model));
+    result.spectrum.after =
+        calcMisfitByFrequency(pass->judge_problem, pass->judge_problem.calcResidual(pass->selection.fit.model));
+    for (std::size_t i = 0; i < result.spectrum.before.size(); ++i)
+        result.spectrum.frequency.push_back(static_cast<double>(i) + 0.5);
+    result.misfit_before = pass->selection.validation_before;
+    result.misfit_after = pass->selection.validation_after;
+    result.rounds = pass->selection.rounds;
     return result;
 }
 

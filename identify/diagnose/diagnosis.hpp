@@ -45,6 +45,11 @@ struct GroupError {
     double identification = 0, validation = 0;
 };
 
+/// Misfit of the validation runs' equations per value, in bands of 1 Hz; 1 for a perfect model.
+struct MisfitSpectrum {
+    std::vector<double> frequency, before, after;  ///< Hz, -, -
+};
+
 struct Diagnosis {
     enum class Verdict { explained, nothing_missing, unexplained };
     Verdict verdict = Verdict::nothing_missing;
@@ -55,6 +60,7 @@ struct Diagnosis {
     bool validated = false;    ///< false: the identification runs had to judge themselves
     double misfit_before = 0;  ///< open-loop misfit of the validation runs per value; 1 for a perfect model
     double misfit_after = 0;
+    MisfitSpectrum spectrum;
     std::vector<Round> rounds;       ///< the selection's own record
     std::vector<std::string> notes;  ///< how the motion was derived, what was found odd
 };

@@ -1,5 +1,6 @@
 #include "identify/diagnose/free_error.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -35,9 +36,19 @@ bool onlyAccelerations(const RunMotion& run) {
     return !run.mobile.displacement_measured;
 }
 
-double noiseVariance(const RunMotion& run) {
-    const auto square = [](double noise) { return std::isfinite(noise) ? noise * noise : 0.0; };
-    return square(run.mobile.displacement_noise) + square(run.fixed.displacement_noise);
+/// Of one relative displacement. White acceleration noise integrated twice above a frequency f leaves
+/// 2 h σ² / (3 (2π)⁴ f³), of which the rigid fit of `connections` triads lets 2 / connections through.
+double noiseVariance(const RunMotion& run, std::size_t connections) {
+    constexpr double two_pi = 6.283185307179586;
+    const auto square = [&](const PartMotion& part) {
+        const bool integrated = !part.displacement_measured && part.acceleration_measured;
+        const double noise = integrated ? part.acceleration_noise : part.displacement_noise;
+        if (!std::isfinite(noise)) return 0.0;
+        if (!integrated) return noise * noise;
+        const double share = std::min(1.0, 2.0 / static_cast<double>(connections));
+        return share * 2 * run.interval * noise * noise / (3 * std::pow(two_pi, 4) * std::pow(run.trusted_from, 3));
+    };
+    return square(run.mobile) + square(run.fixed);
 }
 
 }  // namespace
@@ -80,7 +91,7 @@ FreeError calcFreeError(const std::vector<FreeRun>& runs, const MountModel& mode
         const double from = onlyAccelerations(*run.motion) ? run.motion->trusted_from : 0.0;
         const Eigen::MatrixXd measured = highPass(run.measured, from, run.motion->interval);
         signal += measured.squaredNorm();
-        noise += noiseVariance(*run.motion) * static_cast<double>(measured.size());
+        noise += noiseVariance(*run.motion, model.connections.size()) * static_cast<double>(measured.size());
         try {
             const Eigen::MatrixXd simulated = highPass(simulate(*run.motion, model), from, run.motion->interval);
             difference += (simulated - measured).squaredNorm();

@@ -56,6 +56,48 @@ std::pair<double, double> calcExcess(const OpenLoopProblem& problem, const White
     return excess;
 }
 
+}  // namespace
+
+std::vector<PlaceShare> calcPlaceShares(const OpenLoopProblem& problem, const MountModel& model,
+                                        const WhiteVector& residual) {
+    std::vector<PlaceShare> places;
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        for (std::size_t a = 0; a < 3; ++a) {
+            const auto direction = calcAxisDirection(model, static_cast<int>(i), static_cast<int>(a));
+            places.push_back(
+                {i, a, model.connections[i].name + "." + kAxes[a], calcShare(problem, residual, direction)});
+        }
+    std::stable_sort(places.begin(), places.end(),
+                     [](const PlaceShare& a, const PlaceShare& b) { return a.share > b.share; });
+    return places;
+}
+
+double calcMountExcess(const OpenLoopProblem& problem, const WhiteVector& residual) {
+    Eigen::Index size = 0;
+    for (std::size_t r = 0; r < problem.runs().size(); ++r) size += problem.whitening(r).mountSize();
+    return calcExcess(problem, residual).first / static_cast<double>(size);
+}
+
+std::vector<double> calcMisfitByFrequency(const OpenLoopProblem& problem, const WhiteVector& residual) {
+    std::vector<double> sum, count;
+    for (std::size_t r = 0; r < problem.runs().size(); ++r) {
+        const auto& whitening = problem.whitening(r);
+        for (Eigen::Index part = 0; part < whitening.size(); part += whitening.mountSize())
+            for (Eigen::Index b = 0; b < whitening.binCount(); ++b) {
+                const auto band = static_cast<std::size_t>(whitening.frequency(b));
+                if (band >= sum.size()) {
+                    sum.resize(band + 1, 0.0);
+                    count.resize(band + 1, 0.0);
+                }
+                sum[band] +=
+                    static_cast<double>(residual.values.segment(problem.offset(r) + part + 12 * b, 12).squaredNorm());
+                count[band] += 12;
+            }
+    }
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] /= count[i];
+    return sum;
+}
+
 std::vector<std::string> findRegimes(const OpenLoopProblem& problem, const MountModel& model) {
     double power[2] = {0, 0}, time[2] = {0, 0};
     for (const auto& run : problem.runs()) {
@@ -87,44 +129,32 @@ std::vector<std::string> findRegimes(const OpenLoopProblem& problem, const Mount
     return {"free", "contact"};
 }
 
-}  // namespace
-
 std::vector<std::string> locateResidual(const OpenLoopProblem& problem, const MountModel& model,
                                         const WhiteVector& residual) {
     std::vector<std::string> places;
     const auto [mount, bracket] = calcExcess(problem, residual);
     if (bracket > 3 * mount) return {"bracket"};
-    std::size_t best_axis = 0, best_connection = 0;
-    double best_axis_share = -1, best_connection_share = -1;
-    std::vector<double> shares;
-    for (std::size_t i = 0; i < model.connections.size(); ++i) {
-        Eigen::Matrix<double, 6, Eigen::Dynamic> all(6, 3);
-        for (int a = 0; a < 3; ++a) {
-            all.col(a) = calcAxisDirection(model, static_cast<int>(i), a);
-            shares.push_back(calcShare(problem, residual, all.col(a)));
-            if (shares.back() > best_axis_share) {
-                best_axis_share = shares.back();
-                best_axis = shares.size() - 1;
+    const auto shares = calcPlaceShares(problem, model, residual);
+    if (shares.front().share > kEnough) {
+        places.push_back(shares.front().name);
+    } else {
+        // No axis alone: the connection that carries most.
+        std::size_t best = 0;
+        double best_share = -1;
+        for (std::size_t i = 0; i < model.connections.size(); ++i) {
+            Eigen::Matrix<double, 6, Eigen::Dynamic> all(6, 3);
+            for (int a = 0; a < 3; ++a) all.col(a) = calcAxisDirection(model, static_cast<int>(i), a);
+            const double share = calcShare(problem, residual, all);
+            if (share > best_share) {
+                best_share = share;
+                best = i;
             }
         }
-        const double share = calcShare(problem, residual, all);
-        if (share > best_connection_share) {
-            best_connection_share = share;
-            best_connection = i;
-        }
-    }
-    const auto name = [&](std::size_t axis) { return model.connections[axis / 3].name + "." + kAxes[axis % 3]; };
-    if (best_axis_share > kEnough) {
-        places.push_back(name(best_axis));
-    } else {
         double sum = 0;
-        for (std::size_t a = 0; a < 3; ++a) sum += std::max(0.0, shares[3 * best_connection + a]);
-        std::vector<std::size_t> order{0, 1, 2};
-        std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-            return shares[3 * best_connection + a] > shares[3 * best_connection + b];
-        });
-        for (const auto a : order)
-            if (shares[3 * best_connection + a] > kNoticeable * sum) places.push_back(name(3 * best_connection + a));
+        for (const auto& place : shares)
+            if (place.connection == best) sum += std::max(0.0, place.share);
+        for (const auto& place : shares)
+            if (place.connection == best && place.share > kNoticeable * sum) places.push_back(place.name);
     }
     for (const auto& regime : findRegimes(problem, model)) places.push_back(regime);
     return places;

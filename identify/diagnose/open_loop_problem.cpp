@@ -8,13 +8,19 @@
 namespace wems::identify {
 namespace {
 
-bool sameModes(const std::vector<BracketMode>& a, const std::vector<BracketMode>& b) {
+bool sameShapes(const std::vector<BracketMode>& a, const std::vector<BracketMode>& b) {
     if (a.size() != b.size()) return false;
     for (std::size_t j = 0; j < a.size(); ++j)
-        if (a[j].frequency != b[j].frequency || a[j].damping_ratio != b[j].damping_ratio ||
-            a[j].translation != b[j].translation || a[j].rotation != b[j].rotation ||
+        if (a[j].translation != b[j].translation || a[j].rotation != b[j].rotation ||
             a[j].load_translation != b[j].load_translation)
             return false;
+    return true;
+}
+
+bool sameModes(const std::vector<BracketMode>& a, const std::vector<BracketMode>& b) {
+    if (!sameShapes(a, b)) return false;
+    for (std::size_t j = 0; j < a.size(); ++j)
+        if (a[j].frequency != b[j].frequency || a[j].damping_ratio != b[j].damping_ratio) return false;
     return true;
 }
 
@@ -106,6 +112,21 @@ Eigen::VectorXf OpenLoopProblem::calcValues(const MountModel& model) const {
 void OpenLoopProblem::setReference(const MountModel& model) {
     reference_ = model;
     reference_values_ = calcValues(model);
+    reference_forces_.assign(runs_.size(), {});
+    for (std::size_t r = 0; r < runs_.size(); ++r)
+        if (brackets_[r]) reference_forces_[r] = brackets_[r]->calcForceSpectra(model);
+}
+
+Eigen::MatrixXd OpenLoopProblem::calcBracketDifference(std::size_t run, const MountModel& from,
+                                                       const MountModel& to) const {
+    const bool same_body = sameBody(from.body, to.body), same_load = sameLoad(from, to);
+    const bool same_modes = sameModes(from.bracket, to.bracket);
+    if (!brackets_[run] || (same_body && same_load && same_modes)) return {};
+    if (same_modes && same_load) return brackets_[run]->calcBodyDifference(from, to);
+    if (same_body && same_load && sameShapes(from.bracket, to.bracket) && sameBody(from.body, reference_.body) &&
+        sameLoad(from, reference_))
+        return brackets_[run]->calcModesDifference(from, to, reference_forces_[run]);
+    return brackets_[run]->calcPrediction(to) - brackets_[run]->calcPrediction(from);
 }
 
 WhiteVector OpenLoopProblem::calcResidual(const MountModel& model) const {
@@ -115,14 +136,10 @@ WhiteVector OpenLoopProblem::calcResidual(const MountModel& model) const {
 }
 
 WhiteVector OpenLoopProblem::calcDifference(const MountModel& from, const MountModel& to) const {
-    const bool bracket_differs =
-        !sameBody(from.body, to.body) || !sameModes(from.bracket, to.bracket) || !sameLoad(from, to);
     Eigen::VectorXf values;
     for (std::size_t r = 0; r < runs_.size(); ++r) {
         const Eigen::MatrixXd mount = calcMountDifference(runs_[r], from, to);
-        Eigen::MatrixXd bracket;
-        if (brackets_[r] && bracket_differs)
-            bracket = brackets_[r]->calcPrediction(to) - brackets_[r]->calcPrediction(from);
+        const Eigen::MatrixXd bracket = calcBracketDifference(r, from, to);
         if (mount.size() == 0 && bracket.size() == 0) continue;
         if (values.size() == 0) values = Eigen::VectorXf::Zero(size_);
         values.segment(offsets_[r], whitenings_[r]->size()) = whitenings_[r]->apply(mount, bracket);

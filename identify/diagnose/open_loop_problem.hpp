@@ -60,6 +60,8 @@ public:
 private:
     void addCalibrationColumns(double gain_scatter);
     Eigen::VectorXf calcValues(const MountModel& model) const;
+    /// Change of the bracket's residual of a run; empty if there is none.
+    Eigen::MatrixXd calcBracketDifference(std::size_t run, const MountModel& from, const MountModel& to) const;
     void addSideFaults(const MountModel& model, float sign, Eigen::VectorXf& values) const;
 
     std::vector<OpenLoopRun> runs_;
@@ -69,6 +71,7 @@ private:
     Eigen::Index size_ = 0;
     MountModel reference_;
     Eigen::VectorXf reference_values_;
+    std::vector<Eigen::MatrixXcd> reference_forces_;  ///< spectra of the modal forces, one for each run
     Eigen::MatrixXf calibration_;
     Eigen::LLT<Eigen::MatrixXd> calibration_factor_;
     Eigen::MatrixXf sides_;  ///< mobile, then fixed side: gain, delay, rotation; to first order

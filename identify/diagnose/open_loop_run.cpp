@@ -16,6 +16,8 @@ constexpr double kStop = 380.0;          // Hz
 constexpr double kLeastRate = 950.0;     // Hz after decimation
 constexpr double kTaper = 0.15;          // s
 constexpr double kSmallestNoise = 1e-8;  // m: round-off of a file, where the noise is not known
+constexpr double kSmallestAcceleration = 1e-5;  // m/s²
+constexpr double kUnmeasured = 1.0;             // m: the accelerations alone count
 
 SmoothPart smooth(const PartMotion& part, const SmoothingKernel& kernel, int step) {
     SmoothPart result;
@@ -88,12 +90,17 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
     }
     result.lowest = run.trusted_from;
     result.fixed_measured = run.fixed.displacement_measured || run.fixed.acceleration_measured;
-    result.mobile_noise = knownNoise(run.mobile.displacement_noise);
-    result.fixed_noise = result.fixed_measured ? knownNoise(run.fixed.displacement_noise) : 0.0;
+    const auto displacementNoise = [](const PartMotion& part) {
+        return part.acceleration_measured && !part.displacement_measured ? kUnmeasured
+                                                                         : knownNoise(part.displacement_noise);
+    };
+    result.integrated = run.mobile.acceleration_measured && !run.mobile.displacement_measured;
+    result.mobile_noise = displacementNoise(run.mobile);
+    result.fixed_noise = result.fixed_measured ? displacementNoise(run.fixed) : 0.0;
     const auto accelerationNoise = [](const PartMotion& part) {
-        return part.acceleration_measured && std::isfinite(part.acceleration_noise) && part.acceleration_noise > 0
-                   ? part.acceleration_noise
-                   : std::numeric_limits<double>::infinity();
+        if (!part.acceleration_measured) return std::numeric_limits<double>::infinity();
+        const bool known = std::isfinite(part.acceleration_noise) && part.acceleration_noise > kSmallestAcceleration;
+        return known ? part.acceleration_noise : kSmallestAcceleration;
     };
     result.mobile_acceleration_noise = accelerationNoise(run.mobile);
     result.fixed_acceleration_noise = accelerationNoise(run.fixed);

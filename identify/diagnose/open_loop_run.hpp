@@ -34,6 +34,7 @@ struct OpenLoopRun {
     Eigen::Matrix3Xd base;  ///< m/s²; empty if not recorded
     Eigen::VectorXd swept;  ///< Hz at each sample; empty if not known
     bool fixed_measured = false;
+    bool integrated = false;  ///< the mobile part's displacements are integrated accelerations
     Eigen::VectorXd taper;  ///< 0 where the filter met an end, 1 inside, smooth between
     /// Noise of one channel as displacement, white up to 1/(2 raw_interval) (m RMS) and the acceleration noise fused
     /// with it (m/s² RMS, infinite if accelerations were not recorded).

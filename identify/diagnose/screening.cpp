@@ -2,9 +2,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <thread>
+
+#include "identify/diagnose/parallel.hpp"
 
 namespace wems::identify {
 namespace {
@@ -65,22 +65,16 @@ std::vector<Screened> screenCandidates(const OpenLoopProblem& problem, const Mou
                                        const WhiteVector& residual, const std::vector<Candidate>& candidates,
                                        double price) {
     std::vector<Screened> results(candidates.size());
-    std::atomic<std::size_t> next{0};
-    const auto work = [&] {
-        for (std::size_t i = next++; i < candidates.size(); i = next++) {
-            results[i].candidate = i;
-            results[i].gain = -1;
-            for (const auto& start : candidates[i].starts) {
-                auto screened = screenStart(problem, model, residual, candidates[i], start);
-                if (!std::isfinite(screened.gain) || screened.gain <= results[i].gain) continue;
-                screened.candidate = i;
-                results[i] = screened;
-            }
+    runParallel(candidates.size(), [&](std::size_t i) {
+        results[i].candidate = i;
+        results[i].gain = -1;
+        for (const auto& start : candidates[i].starts) {
+            auto screened = screenStart(problem, model, residual, candidates[i], start);
+            if (!std::isfinite(screened.gain) || screened.gain <= results[i].gain) continue;
+            screened.candidate = i;
+            results[i] = screened;
         }
-    };
-    std::thread helper(work);
-    work();
-    helper.join();
+    });
     const auto worth = [&](const Screened& s) {
         return s.gain - price * static_cast<double>(candidates[s.candidate].knobs.size());
     };

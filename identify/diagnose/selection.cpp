@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "identify/diagnose/leftover.hpp"
+#include "identify/diagnose/parallel.hpp"
 #include "identify/diagnose/screening.hpp"
 
 namespace wems::identify {
@@ -13,6 +15,18 @@ namespace {
 constexpr double kTieFraction = 0.02;
 /// … nor within this much of the misfit per value.
 constexpr double kTieMisfit = 0.01;
+
+/// Where a force along one axis could make this share of the mount's residual, laws elsewhere are not tried …
+constexpr double kAlone = 0.95;
+/// … but for axes that could make nearly as much. The residual must stand out from the noise for that, per value.
+constexpr double kNearlyAsMuch = 0.04;
+constexpr double kStandsOut = 0.5;
+
+/// `1.x` of `1.x` and `1.x.+`; empty for `body`, `mobile`, …
+std::string axisOf(const std::string& place) {
+    const auto dot = place.find('.');
+    return dot == std::string::npos ? "" : place.substr(0, dot + 2);
+}
 
 bool overlaps(const Candidate& a, const std::vector<Candidate>& others) {
     const auto names = a.parameterNames();
@@ -39,6 +53,7 @@ public:
     }
 
     Selection run() {
+        setReference(base_);
         result_.fit = fitParameters(identification_, base_, {});
         result_.identification_before = perValue(identification_, result_.fit.misfit);
         result_.validation_before = validate(base_);
@@ -46,6 +61,7 @@ public:
         if (result_.accepted.size() > 1) exchange();
         removeIdle();
         split();
+        compareWithValidation();
         judge();
         result_.identification_after = perValue(identification_, result_.fit.misfit);
         result_.validation_after = validate(result_.fit.model);
@@ -72,30 +88,60 @@ private:
                2 * price(best) * static_cast<double>(trial.candidate.knobs.size());
     }
 
+    /// The catalogue of a model, without laws at places that its residual excludes.
+    std::vector<Candidate> makePossible(const ParameterFit& present) const {
+        auto catalogue = makeCatalogue(present.model, with_bracket_);
+        const auto keepPossible = [&](const std::function<bool(const std::string&)>& isPossible) {
+            catalogue.erase(std::remove_if(catalogue.begin(), catalogue.end(),
+                                           [&](const Candidate& candidate) {
+                                               return !std::all_of(candidate.where.begin(), candidate.where.end(),
+                                                                   isPossible);
+                                           }),
+                            catalogue.end());
+        };
+        if (!options_.only_place.empty()) {
+            keepPossible([&](const std::string& place) { return axisOf(place) == options_.only_place; });
+            return catalogue;
+        }
+        if (calcMountExcess(identification_, present.residual) < kStandsOut) return catalogue;
+        const auto shares = calcPlaceShares(identification_, present.model, present.residual);
+        if (shares.front().share < kAlone) return catalogue;
+        keepPossible([&](const std::string& place) {
+            const std::string axis = axisOf(place);
+            return axis.empty() || std::any_of(shares.begin(), shares.end(), [&](const PlaceShare& share) {
+                       return share.name == axis && share.share > shares.front().share - kNearlyAsMuch;
+                   });
+        });
+        return catalogue;
+    }
+
     /// Screens the catalogue of `model` and fits the best jointly with `accepted`.
     std::vector<Trial> tryCandidates(const ParameterFit& present, const std::vector<Candidate>& accepted, int count) {
-        const auto catalogue = makeCatalogue(present.model, with_bracket_);
+        const auto catalogue = makePossible(present);
         const double now = perValue(identification_, present.misfit);
         const auto screened = screenCandidates(identification_, present.model, present.residual, catalogue, price(now));
-        std::vector<Trial> trials;
         const double least = 0.25 * options_.least_gain * static_cast<double>(identification_.size());
+        std::vector<const Screened*> chosen;
         for (const auto& entry : screened) {
-            if (static_cast<int>(trials.size()) >= count || entry.gain < least) break;
-            const auto& candidate = catalogue[entry.candidate];
-            if (overlaps(candidate, accepted)) continue;
+            if (static_cast<int>(chosen.size()) >= count || entry.gain < least) break;
+            if (!overlaps(catalogue[entry.candidate], accepted)) chosen.push_back(&entry);
+        }
+        std::vector<Trial> trials(chosen.size());
+        std::vector<ParameterFit> new_fits(chosen.size());
+        runParallel(chosen.size(), [&](std::size_t i) {
+            const auto& candidate = catalogue[chosen[i]->candidate];
             MountModel start = present.model;
-            candidate.apply(start, entry.values);
+            candidate.apply(start, chosen[i]->values);
             auto all = accepted;
             all.push_back(candidate);
-            const auto fit = fitParameters(identification_, start, collectKnobs(all), 6);
-            Trial trial;
+            new_fits[i] = fitParameters(identification_, start, collectKnobs(all), 6);
+            auto& trial = trials[i];
             trial.candidate = candidate;
-            for (const auto& knob : candidate.knobs) trial.values.push_back(knob.get(fit.model));
-            trial.identification = perValue(identification_, fit.misfit);
-            trial.validation = validate(fit.model);
-            trials.push_back(trial);
-            fits_.push_back(fit);
-        }
+            for (const auto& knob : candidate.knobs) trial.values.push_back(knob.get(new_fits[i].model));
+            trial.identification = perValue(identification_, new_fits[i].misfit);
+            trial.validation = validate(new_fits[i].model);
+        });
+        for (auto& fit : new_fits) fits_.push_back(std::move(fit));
         std::vector<std::size_t> order(trials.size());
         for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
         std::sort(order.begin(), order.end(),
@@ -122,6 +168,9 @@ private:
             round.identification_before = perValue(identification_, result_.fit.misfit);
             round.validation_before = validate(result_.fit.model);
             tell("round " + std::to_string(number + 1) + ": screening");
+            const auto place = calcPlaceShares(identification_, result_.fit.model, result_.fit.residual).front();
+            round.place = place.name;
+            round.place_share = place.share;
             fits_.clear();
             round.trials = tryCandidates(result_.fit, result_.accepted, options_.trials);
             const double excess = std::max(0.0, round.validation_before - 1);
@@ -229,6 +278,19 @@ private:
                 result_.fit = fit;
                 setReference(fit.model);
             }
+        }
+    }
+
+    /// What noise alone does not explain between two sets of runs belongs into the intervals.
+    void compareWithValidation() {
+        const auto knobs = collectKnobs(result_.accepted);
+        if (knobs.empty()) return;
+        const auto other = fitParameters(validation_, result_.fit.model, knobs, 4);
+        for (std::size_t i = 0; i < knobs.size(); ++i) {
+            const auto k = static_cast<Eigen::Index>(i);
+            const double variance = result_.fit.covariance(k, k) + other.covariance(k, k);
+            const double difference = std::abs(other.values[i] - result_.fit.values[i]);
+            result_.discrepancy.push_back(variance > 0 ? std::max(1.0, difference / std::sqrt(variance)) : 1.0);
         }
     }
 

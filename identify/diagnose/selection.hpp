@@ -26,6 +26,8 @@ struct Round {
     std::vector<Trial> trials;
     int taken = -1;
     std::string reason;
+    std::string place;       ///< the axis at which a force of any history explains most of the mount's residual …
+    double place_share = 0;  ///< … and how much of it (0 … 1)
 };
 
 struct Selection {
@@ -34,6 +36,8 @@ struct Selection {
     std::vector<double> without;             ///< validation misfit without it, the others refitted
     std::vector<MountModel> models_without;  ///< the models of these misfits
     ParameterFit fit;                        ///< all accepted together, on the identification runs
+    /// For each value of the fit: by how many standard deviations the validation runs alone want another; at least 1.
+    std::vector<double> discrepancy;
     double identification_before = 0, validation_before = 0;
     double identification_after = 0, validation_after = 0;
     std::vector<Round> rounds;
@@ -42,9 +46,10 @@ struct Selection {
 struct SelectionOptions {
     int max_rounds = 6;
     int max_causes = 4;
-    int trials = 10;               ///< candidates fitted in each round
+    int trials = 8;                ///< candidates fitted in each round
     double least_gain = 0.04;      ///< of the misfit per value, on both groups
-    double least_fraction = 0.03;  ///< of what the validation misfit exceeds 1 by
+    double least_fraction = 0.08;  ///< of what the validation misfit exceeds 1 by
+    std::string only_place;        ///< axis (`1.x`) at which alone causes are tried; empty: everywhere
     std::function<void(const std::string&)> progress;
 };
 

@@ -52,6 +52,15 @@ double effectiveVariance(double displacement, double acceleration, double w) {
     return displacement * displacement / (1 + ratio * ratio);
 }
 
+/// Noise of a relative displacement as a stop sees it. What a stop makes of slow noise is spread over all frequencies,
+/// as the stop closes and opens; twice integrated acceleration noise is all slow: 2 h σ² / (3 (2π)⁴ f³) above f.
+double contactVariance(const OpenLoopRun& run, double displacement, double acceleration, double w) {
+    if (!run.integrated) return effectiveVariance(displacement, acceleration, w);
+    const double total = 2 * run.raw_interval * acceleration * acceleration /
+                         (3 * std::pow(kTwoPi, 4) * std::pow(std::max(run.lowest, 1.0), 3));
+    return total * 0.5 / run.raw_interval / kHighest;
+}
+
 Matrix6c invertFactor(const Matrix6c& covariance) {
     Matrix6c regular = covariance;
     for (int i = 0; i < 6; ++i) regular(i, i) *= 1 + 1e-9;
@@ -125,7 +134,9 @@ Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_
         const double mobile = gain * effectiveVariance(run.mobile_noise, run.mobile_acceleration_noise, w);
         const double still = gain * effectiveVariance(run.fixed_noise, run.fixed_acceleration_noise, w);
         const Matrix6 G = K - w * w * M;
-        Matrix6 S = mobile * G * C * G.transpose() + still * K * C * K.transpose() + (mobile + still) * contact;
+        const double touching = gain * (contactVariance(run, run.mobile_noise, run.mobile_acceleration_noise, w) +
+                                        contactVariance(run, run.fixed_noise, run.fixed_acceleration_noise, w));
+        Matrix6 S = mobile * G * C * G.transpose() + still * K * C * K.transpose() + touching * contact;
         for (std::size_t i = 0; i < directions.size(); ++i) S += proportional * force_power[i](0, b) * directions[i];
         S.diagonal() += proportional * demand_power.col(b);
         factors_[0].push_back(invertFactor(S.cast<std::complex<double>>()));

@@ -1,0 +1,125 @@
+#include "identify/cli/diagnosis_report.hpp"
+
+#include <cmath>
+
+#include "identify/cli/command.hpp"
+#include "models/report/html_report.hpp"
+
+namespace wems::identify::cli {
+namespace {
+
+std::string percent(double value) {
+    return std::isfinite(value) ? formatNumber(100 * value, 3) + " %" : std::string("-");
+}
+
+std::string join(const std::vector<std::string>& words) {
+    std::string text;
+    for (const auto& word : words) text += (text.empty() ? "" : " ") + word;
+    return text;
+}
+
+void addErrors(const Diagnosis& diagnosis, HtmlReport& page) {
+    page.addHeading("Free simulation against the recordings");
+    const auto row = [&](const std::string& name, double GroupError::*group) {
+        return std::vector<std::string>{name, percent(diagnosis.error_before.*group),
+                                        percent(diagnosis.error_after.*group), percent(diagnosis.noise_floor.*group)};
+    };
+    page.addTable({"recordings", "error before", "error after", "noise alone"},
+                  {row("identification", &GroupError::identification), row("validation", &GroupError::validation)});
+    page.addText("Equations of motion along the measured motion of the validation recordings: misfit " +
+                 formatNumber(diagnosis.misfit_before, 4) + " before, " + formatNumber(diagnosis.misfit_after, 4) +
+                 " after; noise alone leaves 1.");
+    if (!diagnosis.validated)
+        page.addText(
+            "There were no validation recordings: the identification recordings judged themselves, which flatters "
+            "every "
+            "cause.");
+}
+
+void addCauses(const Diagnosis& diagnosis, HtmlReport& page) {
+    page.addHeading("Causes");
+    if (diagnosis.causes.empty()) {
+        page.addText("None.");
+        return;
+    }
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& cause : diagnosis.causes)
+        for (const auto& p : cause.parameters) {
+            const bool removed = !std::isfinite(p.value);
+            rows.push_back({cause.cause, formatNumber(cause.probability, 3), formatNumber(cause.gain_db, 3), p.name,
+                            removed ? "no stop" : formatNumber(p.value),
+                            removed ? "" : formatNumber(p.lower) + " … " + formatNumber(p.upper), p.unit});
+        }
+    page.addTable({"cause", "probability", "gain [dB]", "parameter", "value", "95 % interval", "unit"}, rows);
+    page.addText("A cause is named from a probability of 0.5 on.");
+    std::vector<std::vector<std::string>> ties;
+    for (const auto& cause : diagnosis.causes)
+        for (const auto& rival : cause.rivals) {
+            std::vector<std::string> values;
+            for (const auto& p : rival.parameters) values.push_back(p.name + " = " + formatNumber(p.value));
+            ties.push_back({cause.cause, rival.cause, join(rival.where), join(values), rival.separate_by});
+        }
+    if (ties.empty()) return;
+    page.addHeading("What these data cannot tell apart");
+    page.addTable({"named", "rival", "where", "the rival's parameters", "what would separate them"}, ties);
+}
+
+void addRounds(const Diagnosis& diagnosis, HtmlReport& page) {
+    page.addHeading("Why: the rounds of the selection");
+    page.addText(
+        "In each round the candidates that promise most are fitted to the identification recordings, together with "
+        "what "
+        "was taken before. Numbers are misfits per value of the equations of motion; noise alone leaves 1. A candidate "
+        "is taken if it is the best one and reduces the misfit of the validation recordings too.");
+    for (std::size_t r = 0; r < diagnosis.rounds.size(); ++r) {
+        const auto& round = diagnosis.rounds[r];
+        page.addText("Round " + std::to_string(r + 1) + ": " + round.reason + ". Before: identification " +
+                     formatNumber(round.identification_before, 4) + ", validation " +
+                     formatNumber(round.validation_before, 4) + ". A force of any history along " + round.place +
+                     " could make " + percent(round.place_share) + " of what the mount leaves.");
+        std::vector<std::vector<std::string>> rows;
+        for (std::size_t i = 0; i < round.trials.size(); ++i) {
+            const auto& trial = round.trials[i];
+            std::vector<std::string> values;
+            for (const double value : trial.values) values.push_back(formatNumber(value));
+            rows.push_back({trial.candidate.describe(), join(values), formatNumber(trial.identification, 4),
+                            formatNumber(trial.validation, 4), static_cast<int>(i) == round.taken ? "taken" : ""});
+        }
+        if (!rows.empty()) page.addTable({"candidate", "values", "identification", "validation", ""}, rows);
+    }
+}
+
+void addSpectrum(const Diagnosis& diagnosis, HtmlReport& page) {
+    if (diagnosis.spectrum.frequency.empty()) return;
+    Plot plot{"Misfit of the equations of motion, validation recordings",
+              "frequency [Hz]",
+              "log10 of misfit per value",
+              {},
+              false};
+    const auto add = [&](const std::string& name, const std::vector<double>& values) {
+        Series series{name, diagnosis.spectrum.frequency, {}};
+        for (const double value : values) series.y.push_back(std::log10(std::max(value, 1e-3)));
+        plot.series.push_back(std::move(series));
+    };
+    add("before", diagnosis.spectrum.before);
+    add("after", diagnosis.spectrum.after);
+    page.addPlot(plot);
+}
+
+}  // namespace
+
+void writeDiagnosisReport(const Diagnosis& diagnosis, const std::string& title, const std::string& file) {
+    HtmlReport page("Diagnosis of " + title);
+    page.addText("Verdict: " + formatVerdict(diagnosis.verdict));
+    if (!diagnosis.unexplained_where.empty())
+        page.addText("What is left sits at: " + join(diagnosis.unexplained_where));
+    addErrors(diagnosis, page);
+    addCauses(diagnosis, page);
+    addSpectrum(diagnosis, page);
+    addRounds(diagnosis, page);
+    page.addHeading("How the motion was obtained");
+    for (const auto& note : diagnosis.notes) page.addText(note);
+    page.write(file);
+}
+
+}  // namespace wems::identify::cli

@@ -1,0 +1,119 @@
+// Draws a hidden case and writes what a diagnosis may see (base.toml, run1.csv, run2.csv, validate.csv) and the truth
+// (truth.toml, truth.json, plan.json).
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "models/recording/csv_writer.hpp"
+#include "tests/hidden/random_case.hpp"
+#include "tests/hidden/truth_simulator.hpp"
+
+namespace {
+
+using namespace wems;
+using namespace wems::hidden;
+
+void writeModes(const MountModel& model, const std::string& file) {
+    std::ofstream out(file);
+    out.precision(10);
+    out << "frequency [Hz],damping_ratio,ux,uy,uz,rx,ry,rz,load.ux,load.uy,load.uz\n";
+    for (const auto& mode : model.bracket) {
+        out << mode.frequency << "," << mode.damping_ratio;
+        for (const auto* part : {&mode.translation, &mode.rotation, &mode.load_translation})
+            for (int a = 0; a < 3; ++a) out << "," << (*part)[a];
+        out << "\n";
+    }
+}
+
+nlohmann::json formatTruth(const HiddenCase& hidden) {
+    auto causes = nlohmann::json::array();
+    for (const auto& effect : hidden.effects) {
+        nlohmann::json parameters = nlohmann::json::object();
+        for (const auto& [name, value] : effect.parameters)
+            parameters[name] = std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+        causes.push_back({{"cause", effect.cause}, {"where", effect.where}, {"parameters", parameters}});
+    }
+    nlohmann::json truth{{"class", hidden.kind},
+                         {"causes", causes},
+                         {"change", hidden.change},
+                         {"amplification", hidden.amplification},
+                         {"noise",
+                          {{"displacement", hidden.displacement_noise},
+                           {"acceleration", hidden.acceleration_noise},
+                           {"gain_scatter", hidden.gain_scatter}}}};
+    if (hidden.outside.kind != OutsideEffect::Kind::none)
+        truth["outside"] = {{"kind", formatKind(hidden.outside.kind)},
+                            {"where", std::to_string(hidden.outside.connection + 1) + "." + "xyz"[hidden.outside.axis]},
+                            {"size", hidden.outside.size}};
+    return truth;
+}
+
+/// Scales an outside effect until it changes the motion as wanted.
+void scaleOutside(HiddenCase& hidden, Random& random) {
+    const double wanted = drawLog(random, 0.05, 0.35);
+    for (int i = 0; i < 4; ++i) {
+        double difference = 0, signal = 0;
+        for (std::size_t r = 1; r < 3; ++r) {
+            const auto markers = simulateTruth(hidden, r);
+            const Eigen::MatrixXd truth = markers.mobile - markers.fixed;
+            const Eigen::MatrixXd base = simulateRelative(hidden, hidden.base, r);
+            difference += (base - truth).squaredNorm();
+            signal += truth.squaredNorm();
+        }
+        hidden.change[0] = hidden.change[1] = std::sqrt(difference / signal);
+        if (std::abs(std::log(hidden.change[0] / wanted)) < 0.3) return;
+        hidden.outside.size *= std::clamp(wanted / hidden.change[0], 0.3, 3.0);
+    }
+}
+
+void run(std::uint64_t seed, std::uint64_t index, const std::string& folder, std::string kind) {
+    std::seed_seq sequence{seed, index};
+    Random random(sequence);
+    if (kind.empty()) {
+        const double u = drawUniform(random, 0, 1);
+        kind = u < 0.15 ? "none" : u < 0.3 ? "two" : u < 0.45 ? "outside" : listCauses()[index % listCauses().size()];
+    }
+    HiddenCase hidden = drawCase(kind, random);
+    if (kind != "none" && kind != "two" && kind != "outside") hidden.kind = "single";
+    if (kind == "outside") scaleOutside(hidden, random);
+    std::filesystem::create_directories(folder);
+    for (auto* model : {&hidden.base, &hidden.truth}) model->bracket_path = folder + "/bracket.csv";
+    writeModes(hidden.base, folder + "/bracket.csv");
+    MountModel truth = hidden.truth;
+    truth.bracket = hidden.base.bracket;
+    for (std::size_t j = 0; j < truth.bracket.size(); ++j)
+        if (hidden.truth.bracket[j].frequency != truth.bracket[j].frequency ||
+            hidden.truth.bracket[j].damping_ratio != truth.bracket[j].damping_ratio) {
+            truth.bracket[j] = hidden.truth.bracket[j];
+            truth.replaced_modes.push_back(static_cast<int>(j) + 1);
+        }
+    writeMountModel(hidden.base, folder + "/base.toml");
+    writeMountModel(truth, folder + "/truth.toml");
+    std::ofstream(folder + "/truth.json") << formatTruth(hidden).dump(1) << "\n";
+    const char* names[] = {"run1", "run2", "validate"};
+    auto plan = nlohmann::json::array();
+    for (std::size_t r = 0; r < 3; ++r) {
+        const Eigen::Vector3d f = hidden.runs[r].direction * hidden.runs[r].level;
+        plan.push_back({{"force", {f.x(), f.y(), f.z()}},
+                        {"upward", hidden.runs[r].upward},
+                        {"octaves_per_minute", hidden.octaves_per_minute},
+                        {"sample_rate", hidden.rate}});
+        writeRecording(recordForward(hidden, r, seed * 1000003 + index * 17), folder + "/" + names[r] + ".csv", 7);
+    }
+    std::ofstream(folder + "/plan.json") << plan.dump(1) << "\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        if (argc < 4) throw std::invalid_argument("usage: hidden_case SEED INDEX FOLDER [KIND]");
+        run(std::stoull(argv[1]), std::stoull(argv[2]), argv[3], argc > 4 ? argv[4] : "");
+        return 0;
+    } catch (const std::exception& error) {
+        std::cerr << "hidden_case: " << error.what() << "\n";
+    }
+    return 2;
+}
