@@ -35,7 +35,7 @@ struct OpenLoopRun {
     Eigen::VectorXd swept;  ///< Hz at each sample; empty if not known
     bool fixed_measured = false;
     bool integrated = false;  ///< the mobile part's displacements are integrated accelerations
-    Eigen::VectorXd taper;  ///< 0 where the filter met an end, 1 inside, smooth between
+    Eigen::VectorXd taper;    ///< 0 where the filter met an end, 1 inside, smooth between
     /// Noise of one channel as displacement, white up to 1/(2 raw_interval) (m RMS) and the acceleration noise fused
     /// with it (m/s² RMS, infinite if accelerations were not recorded).
     double mobile_noise = 0, fixed_noise = 0;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
 #include "identify/motion/rigid_fit.hpp"
@@ -18,7 +19,9 @@ Calibration estimateCalibration(const ChannelSet& set, const Eigen::MatrixXd& re
     Calibration calibration;
     for (const MarkerChannel& channel : set.channels) calibration.channels.push_back(channel.name);
     calibration.design = makeDesign(set.channels, Eigen::Vector3d::Zero(), 1.0);
-    if (set.count() <= 6 || !std::isfinite(noise)) return calibration;
+    const bool weighted = std::any_of(set.channels.begin(), set.channels.end(),
+                                      [](const MarkerChannel& channel) { return channel.weight != 1; });
+    if (set.count() <= 6 || weighted || !std::isfinite(noise)) return calibration;
     const Eigen::MatrixXd pseudo_inverse = calibration.design.completeOrthogonalDecomposition().pseudoInverse();
     const Eigen::MatrixXd left =
         Eigen::MatrixXd::Identity(set.count(), set.count()) - calibration.design * pseudo_inverse;

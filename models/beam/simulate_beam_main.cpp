@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
     app.footer("Example:\n  simulate_beam --force 10 -o beam.csv");
     try {
         app.parse(argc, argv);
-        wems::writeRecording(simulateBeam(beam, *wems::makeLogarithmicSweep(from, to, rate), run), output, 13);
+        wems::writeCsv(simulateBeam(beam, *wems::makeLogarithmicSweep(from, to, rate), run), output, 13);
         std::cout << "natural frequencies without the spring: " << wems::findBeamFrequencies(beam).head<4>().transpose()
                   << " Hz\n";
         return 0;
