@@ -1,6 +1,7 @@
 #include "identify/paper/single_axis_data.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "identify/forward/relative_displacement.hpp"
 #include "identify/motion/channel_set.hpp"
@@ -27,7 +28,10 @@ Eigen::MatrixXd calcPointAcceleration(const PartMotion& motion, const Eigen::Vec
 
 /// Every axis of every connection of the model has a channel in `set`.
 bool isComplete(const ChannelSet& set, const MountModel& model) {
-    return set.hasCompleteTriads() && connectionsOf(set.channels).size() == model.connections.size();
+    return set.hasCompleteTriads() && set.channels.size() == 3 * model.connections.size() &&
+           std::all_of(set.channels.begin(), set.channels.end(), [&](const MarkerChannel& channel) {
+               return channel.index < static_cast<int>(model.connections.size());
+           });
 }
 
 }  // namespace
