@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kLeastReliability = 0.9;  // share of a direction's inner product that must not be noise
 constexpr double kLeastReach = 0.1;        // share of the model's clearance below which no stop is looked for
-constexpr double kLeastResidual = 1e-5;    // of the demanded force or moment, what a residual counts as at least
+constexpr double kLeastResidual = 1e-3;    // of the demanded force or moment: gains and positions are no better known
 constexpr double kOpenError = 2;           // relative error in the largest component of a direction seen only in noise
 
 bool sameStop(const StopTerm& a, const StopTerm& b) {
