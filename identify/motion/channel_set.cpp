@@ -100,12 +100,4 @@ ChannelSet collectChannels(const Recording& recording, const MountModel& model, 
     return set;
 }
 
-std::vector<int> connectionsOf(const std::vector<MarkerChannel>& channels) {
-    std::vector<int> connections;
-    for (const MarkerChannel& channel : channels) {
-        if (connections.empty() || connections.back() != channel.index) connections.push_back(channel.index);
-    }
-    return connections;
-}
-
 }  // namespace wems::identify

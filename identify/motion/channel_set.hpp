@@ -44,8 +44,4 @@ struct ChannelSet {
 /// not finite.
 ChannelSet collectChannels(const Recording& recording, const MountModel& model, Part part, Derivative derivative);
 
-/// The stations among `channels`, each once, in channel order: indices of connections in the model, after them those of
-/// the laboratory's own sensors.
-std::vector<int> connectionsOf(const std::vector<MarkerChannel>& channels);
-
 }  // namespace wems::identify
