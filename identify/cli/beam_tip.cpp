@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "identify/cli/command.hpp"
-#include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {

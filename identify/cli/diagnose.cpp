@@ -35,7 +35,7 @@ void runDiagnose(DiagnoseArguments arguments) {
     if (!arguments.output.empty()) writeMountModel(diagnosis.extended, arguments.output);
     writeJson(makeDiagnosisJson(diagnosis), arguments.common);
     if (!arguments.common.report_file.empty())
-        writeDiagnosisReport(diagnosis, model.name.empty() ? arguments.model : model.name,
+        writeDiagnosisReport(diagnosis, model.name.empty() ? arguments.runs.model : model.name,
                              arguments.common.report_file);
     if (arguments.common.json_file != "-") {
         for (const auto* group : {&identification, &validation})

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "identify/diagnose/diagnosis.hpp"
-#include "models/recording/csv_reader.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "tests/hidden/random_case.hpp"
 #include "tests/recording/temporary_file.hpp"
 

@@ -100,7 +100,7 @@ void run(std::uint64_t seed, std::uint64_t index, const std::string& folder, std
                         {"upward", hidden.runs[r].upward},
                         {"octaves_per_minute", hidden.octaves_per_minute},
                         {"sample_rate", hidden.rate}});
-        writeRecording(recordForward(hidden, r, seed * 1000003 + index * 17), folder + "/" + names[r] + ".csv", 7);
+        writeCsv(recordForward(hidden, r, seed * 1000003 + index * 17), folder + "/" + names[r] + ".csv", 7);
     }
     std::ofstream(folder + "/plan.json") << plan.dump(1) << "\n";
 }

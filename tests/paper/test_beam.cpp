@@ -5,8 +5,8 @@
 #include "identify/paper/beam_tip.hpp"
 #include "models/beam/beam_response.hpp"
 #include "models/error.hpp"
-#include "models/recording/csv_reader.hpp"
 #include "models/recording/csv_writer.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "tests/cli/run_program.hpp"
 
 namespace wems {
@@ -53,7 +53,7 @@ TEST_CASE("Read back from CSV, the complete tip equation gives the spring within
     run.steps_per_sample = 2;
     const test::TemporaryDirectory folder;
     const std::string file = folder.path() + "/beam.csv";
-    writeRecording(simulateBeam(beam, *makeLogarithmicSweep(15, 40, 60), run), file, 13);
+    writeCsv(simulateBeam(beam, *makeLogarithmicSweep(15, 40, 60), run), file, 13);
     const identify::BeamTip tip = identify::identifyBeamTip(readRecording(file), beam);
     CHECK(tip.complete.cubic == Approx(beam.tip_cubic).epsilon(0.01));
     CHECK(tip.complete.stiffness == Approx(1).epsilon(0.01));

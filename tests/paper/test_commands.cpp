@@ -17,8 +17,8 @@ TEST_CASE("identify single-axis writes its terms, singular values and the model 
     settings.octaves_per_minute = 60;
     settings.sample_rate = 1000;
     const test::TemporaryDirectory folder;
-    writeRecording(test::record(test::simulateSweep(readMountModel(device), settings), {0, 0}, 1),
-                   folder.path() + "/run.csv");
+    writeCsv(test::record(test::simulateSweep(readMountModel(device), settings), {0, 0}, 1),
+             folder.path() + "/run.csv");
     const auto done = test::runProgram(IDENTIFY_PROGRAM,
                                        {"single-axis", "run.csv", "--model", device, "--damping", "-o", "linear.toml",
                                         "--json", "out.json", "--report", "out.html"},
@@ -55,7 +55,7 @@ TEST_CASE("identify beam-tip shows both equations") {
     BeamRun run;
     run.force = 10;
     run.sample_rate = 2000;
-    writeRecording(simulateBeam(Beam{}, *makeLogarithmicSweep(15, 40, 60), run), folder.path() + "/beam.csv", 13);
+    writeCsv(simulateBeam(Beam{}, *makeLogarithmicSweep(15, 40, 60), run), folder.path() + "/beam.csv", 13);
     const auto done =
         test::runProgram(IDENTIFY_PROGRAM, {"beam-tip", "beam.csv", "--json", "beam.json"}, folder.path());
     CAPTURE(done.errors);
