@@ -116,7 +116,7 @@ std::vector<std::string> findRegimes(const OpenLoopProblem& problem, const Mount
         }
         const Eigen::MatrixXd residual = calcMountResidual(run, model);
         for (int k = 0; k < run.sampleCount(); ++k) {
-            const int regime = contact[static_cast<std::size_t>(k)];
+            const int regime = contact[static_cast<std::size_t>(k)] != 0 ? 1 : 0;
             power[regime] += run.taper[k] * residual.col(k).head<3>().squaredNorm();
             time[regime] += run.taper[k];
         }
