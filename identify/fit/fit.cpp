@@ -36,7 +36,7 @@ ParameterUncertainty removeSpuriousStops(Solver& solver) {
     constexpr double least = 4;  // standard errors
     while (true) {
         const LinearSystem system = solver.linearise();
-        const ParameterUncertainty uncertainty(solver, system);
+        ParameterUncertainty uncertainty(solver, system);
         double weakest = least;
         int weakest_parameter = -1;
         for (std::size_t j = 0; j < system.parameters.size(); ++j) {
