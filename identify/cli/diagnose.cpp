@@ -7,6 +7,7 @@
 
 #include "identify/cli/campaign.hpp"
 #include "identify/cli/command.hpp"
+#include "identify/cli/device_scene.hpp"
 #include "identify/cli/diagnosis_output.hpp"
 #include "identify/cli/diagnosis_report.hpp"
 #include "identify/cli/recordings.hpp"
@@ -36,7 +37,7 @@ void runDiagnose(DiagnoseArguments arguments) {
     writeJson(makeDiagnosisJson(diagnosis), arguments.common);
     if (!arguments.common.report_file.empty())
         writeDiagnosisReport(diagnosis, model.name.empty() ? arguments.runs.model : model.name,
-                             arguments.common.report_file);
+                             makeDeviceScene(identification, diagnosis.extended), arguments.common.report_file);
     if (arguments.common.json_file != "-") {
         for (const auto* group : {&identification, &validation})
             for (const auto& recording : *group)

@@ -9,6 +9,7 @@
 #include "identify/cli/campaign.hpp"
 #include "identify/cli/command.hpp"
 #include "identify/cli/component_fit.hpp"
+#include "identify/cli/device_scene.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
 #include "models/error.hpp"
@@ -111,8 +112,8 @@ void addDisplacementPlots(HtmlReport& page, const std::vector<RunMotion>& runs) 
     }
 }
 
-void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const std::vector<std::string>& notes,
-                 const std::string& file) {
+void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const std::vector<Recording>& recordings,
+                 const std::vector<std::string>& notes, const std::string& file) {
     HtmlReport page("Identified mount: " + fit.model.name);
     page.addText(describeResidual(fit));
     const Table parameters = makeParameterTable(fit), open = makeOpenTable(fit);
@@ -122,6 +123,7 @@ void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const
         page.addTable(open.header(), open.rows());
     }
     for (const auto& note : notes) page.addText(note);
+    addMotion(page, makeDeviceScene(runs, recordings, fit.model));
     addDisplacementPlots(page, runs);
     page.write(file);
 }
@@ -178,7 +180,7 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, std::v
     for (const ValidationError& run : validation)
         result["validation"].push_back({{"run", run.file}, {"error", run.error}});
     writeJson(result, options.common);
-    if (!options.common.report_file.empty()) writeReport(fit, runs, notes, options.common.report_file);
+    if (!options.common.report_file.empty()) writeReport(fit, runs, recordings, notes, options.common.report_file);
 }
 
 void fitElement(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings) {

@@ -106,7 +106,7 @@ void run(const Options& options, bool limited, int& exit_status) {
     }
     writeJson(makeJson(rigidity, recording), options.common);
     if (!options.common.report_file.empty())
-        writeRigidityReport(rigidity, table, sentences, recording.file, options.common.report_file);
+        writeRigidityReport(rigidity, table, sentences, recording, model, options.common.report_file);
     if (!limited) return;
     for (const RigidityCheck& check : rigidity.checks) {
         if (check.max_percent > options.limit) exit_status = 1;

@@ -2,65 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 #include "models/atomic_file.hpp"
 #include "models/report/assets.hpp"
+#include "models/report/html_text.hpp"
+#include "models/report/motion_scene.hpp"
 
 namespace wems {
 namespace {
 
 constexpr std::size_t buckets_per_series = 1000;
-
-std::string escapeHtml(const std::string& text) {
-    std::string escaped;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                escaped += "&amp;";
-                break;
-            case '<':
-                escaped += "&lt;";
-                break;
-            case '>':
-                escaped += "&gt;";
-                break;
-            case '"':
-                escaped += "&quot;";
-                break;
-            default:
-                escaped += c;
-        }
-    }
-    return escaped;
-}
-
-/// A JavaScript string literal; `<` is escaped so that no text can end the script element.
-std::string quoteScript(const std::string& text) {
-    std::string quoted = "\"";
-    for (const char c : text) {
-        const auto code = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\') {
-            quoted += '\\';
-            quoted += c;
-        } else if (code < 0x20 || c == '<') {
-            char buffer[8];
-            std::snprintf(buffer, sizeof buffer, "\\u%04x", code);
-            quoted += buffer;
-        } else {
-            quoted += c;
-        }
-    }
-    return quoted + "\"";
-}
-
-std::string formatValue(double value) {
-    if (!std::isfinite(value)) return "NaN";
-    char buffer[32];
-    std::snprintf(buffer, sizeof buffer, "%.6g", value);
-    return buffer;
-}
 
 std::vector<std::size_t> thinOut(std::size_t count, std::size_t most) {
     const std::size_t stride = std::max<std::size_t>(1, (count + most - 1) / most);
@@ -144,24 +96,33 @@ void HtmlReport::addPlot(const Plot& plot) {
     for (const auto& series : plot.series) data_ += quoteScript(series.name) + ",";
     data_ += "],rows:[";
     for (const auto& row : rows) {
-        data_ += "[" + formatValue(row.x) + ",";
+        data_ += "[" + formatScriptNumber(row.x) + ",";
         for (std::size_t s = 0; s < plot.series.size(); ++s)
-            data_ += (s == row.series ? formatValue(row.y) : "null") + ",";
+            data_ += (s == row.series ? formatScriptNumber(row.y) : "null") + ",";
         data_ += "],";
     }
     data_ += "]});\n";
 }
 
+void HtmlReport::addScene(const MotionScene& scene) {
+    const std::string id = "scene" + std::to_string(++scene_count_);
+    body_ +=
+        "<figure class=\"scene\" id=\"" + id + "\"><figcaption>" + escapeHtml(scene.title) + "</figcaption></figure>\n";
+    data_ += "wemsScene(" + quoteScript(id) + "," + formatScene(scene) + ");\n";
+}
+
 std::string HtmlReport::format() const {
+    const auto script = [](const std::string& text) { return "<script>" + text + "</script>\n"; };
     std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n";
     page += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" + escapeHtml(title_) +
             "</title>\n";
     page += "<style>" + report_assets::dygraphsStyle() + report_assets::pageStyle() +
             "</style>\n</head><body>\n<main><h1>" + escapeHtml(title_) + "</h1>\n" + body_ + "</main>\n";
-    if (plot_count_ > 0) {
-        page += "<script>" + report_assets::dygraphsScript() + "</script>\n<script>" + report_assets::pageScript() +
-                data_ + "</script>\n";
-    }
+    if (plot_count_ > 0) page += script(report_assets::dygraphsScript());
+    if (scene_count_ > 0)
+        page += script(report_assets::threeScript()) + script(report_assets::orbitControlsScript()) +
+                script(report_assets::animationScript());
+    if (!data_.empty()) page += script(report_assets::pageScript() + data_);
     return page + "</body></html>\n";
 }
 
