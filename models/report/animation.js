@@ -36,6 +36,8 @@ class WemsDevice {
       this.root.add(arrow);
       return arrow;
     });
+    const bounds = new THREE.Box3().setFromPoints(this.posts).expandByObject(this.fixed).expandByObject(this.mobile);
+    this.bounds = bounds.getBoundingSphere(new THREE.Sphere());
     this.recolor();
   }
 
@@ -76,11 +78,12 @@ class WemsDevice {
   }
 
   addFixed() {
-    const base = new THREE.Vector3(0, 0, -0.62);
+    const base = new THREE.Vector3(0, 0, Math.min(...this.ends.map(end => end.z)) - 0.55);
     this.posts = this.ends.map(end => {
-      const outward = new THREE.Vector3(end.x, end.y, 0);
-      if (outward.length() < 1e-3) outward.set(1, 0, 0);
-      const top = end.clone().addScaledVector(outward.normalize(), 0.45);
+      // Beside the pin, as seen from the centre: stops are above, below and outside more often than there.
+      const beside = new THREE.Vector3(-end.y, end.x, 0);
+      if (beside.length() < 1e-3) beside.set(1, 0, 0);
+      const top = end.clone().addScaledVector(beside.normalize(), 0.42);
       const foot = new THREE.Vector3(top.x, top.y, base.z);
       this.rod(0.035, "fixed", this.fixed, foot, new THREE.Vector3(top.x, top.y, end.z + 0.06));
       this.rod(0.035, "fixed", this.fixed, base, foot);
@@ -160,9 +163,12 @@ class WemsRun {
     this.run = run;
     this.connections = connections;
     const peak = rows => rows.unit * rows.values.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
-    this.largestForce = 0;
-    for (let frame = 0; frame < run.closed.length; ++frame)
-      for (const force of this.forces(frame)) this.largestForce = Math.max(this.largestForce, Math.hypot(...force));
+    this.largestForces = run.stations.map(station => {
+      let largest = 0;
+      for (let frame = station.from; frame < station.from + station.count; ++frame)
+        for (const force of this.forces(frame)) largest = Math.max(largest, Math.hypot(...force));
+      return largest;
+    });
     this.largestMotion = Math.max(peak(run.mobile.p), peak(run.fixed.p));
   }
 
@@ -211,8 +217,9 @@ function wemsSelect(label, choices, parent) {
   return select;
 }
 
-const wemsViews = [["oblique", [1.7, -2.3, 1.35]], ["along y", [0, -3.1, 0.15]], ["along x", [3.1, 0, 0.15]],
-                   ["from above", [0, -0.01, 3.3]]];
+// Names and directions to look from.
+const wemsViews = [["oblique", [1.7, -2.3, 1.2]], ["along y", [0, -1, 0.05]], ["along x", [1, 0, 0.05]],
+                   ["from above", [0, -0.001, 1]]];
 
 // Builds the figure `id`: canvas, what it shows in words, controls.
 function wemsScene(id, scene) {
@@ -250,7 +257,7 @@ function wemsScene(id, scene) {
   camera.up.set(0, 0, 1);
   const orbit = new THREE.OrbitControls(camera, renderer.domElement);
   orbit.enableZoom = orbit.enablePan = orbit.enableKeys = false;  // wheel and keys belong to the page
-  orbit.target.set(0, 0, 0.12);
+  orbit.target.copy(device.bounds.center);
 
   let run = runs[0], playing = false, due = false;
   const exaggeration = () => Math.pow(10, factor.input.value / 100 * Math.log10(run.most));
@@ -259,7 +266,8 @@ function wemsScene(id, scene) {
   function draw() {
     due = false;
     const place = current(), frame = run.frame(place.from + Number(moment.input.value));
-    device.place(frame, exaggeration(), hold.checked, arrows.checked, run.largestForce);
+    const largest = run.largestForces[station.input.value];
+    device.place(frame, exaggeration(), hold.checked, arrows.checked, largest);
     renderer.render(world, camera);
     const time = place.time + moment.input.value * place.period;
     const hertz = Number.isFinite(place.hertz) ? place.hertz.toFixed(2) + " Hz, " : "";
@@ -272,7 +280,7 @@ function wemsScene(id, scene) {
     words.textContent = hertz + time.toFixed(3) + " s: " +
       (closed.length ? "stop closed: " + closed.join(", ") : "no stop closed") +
       "; largest force " + sizes[most].toFixed(0) + " N at connection " + scene.connections[most].name +
-      " (longest arrow of this run: " + run.largestForce.toFixed(0) + " N)";
+      " (longest arrow at this place: " + largest.toFixed(0) + " N)";
     words.classList.toggle("alert", closed.length > 0);
   }
   function schedule() {
@@ -298,12 +306,13 @@ function wemsScene(id, scene) {
     renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
-    camera.fov = camera.aspect < 1.2 ? 52 : 38;
     camera.updateProjectionMatrix();
-    schedule();
+    look();
   }
   function look() {
-    camera.position.set(...wemsViews[view.value][1]);
+    const half = THREE.Math.degToRad(camera.fov / 2);  // of the shorter side
+    const distance = device.bounds.radius / Math.sin(Math.atan(Math.tan(half) * Math.min(1, camera.aspect)));
+    camera.position.set(...wemsViews[view.value][1]).normalize().multiplyScalar(0.78 * distance).add(orbit.target);
     orbit.update();
     schedule();
   }
@@ -350,7 +359,6 @@ function wemsScene(id, scene) {
   addEventListener("resize", resize);
   selectRun();
   resize();
-  look();
   paint();
   draw();
 }

@@ -21,6 +21,21 @@ std::vector<std::size_t> thinOut(std::size_t count, std::size_t most) {
     return kept;
 }
 
+/// What is kept of a series, in order of x.
+std::string formatSeries(const Series& series, bool points) {
+    const std::size_t count = std::min(series.x.size(), series.y.size());
+    std::vector<std::size_t> kept;
+    for (const auto i : points ? thinOut(count, 4 * buckets_per_series) : decimateByShape(series.y, buckets_per_series))
+        if (i < count && std::isfinite(series.x[i])) kept.push_back(i);
+    std::stable_sort(kept.begin(), kept.end(), [&](std::size_t a, std::size_t b) { return series.x[a] < series.x[b]; });
+    std::string x, y;
+    for (const auto i : kept) {
+        x += formatScriptNumber(series.x[i]) + ",";
+        y += formatScriptNumber(series.y[i]) + ",";
+    }
+    return "{name:" + quoteScript(series.name) + ",x:[" + x + "],y:[" + y + "]}";
+}
+
 }  // namespace
 
 std::vector<std::size_t> decimateByShape(const std::vector<double>& y, std::size_t buckets) {
@@ -70,37 +85,12 @@ void HtmlReport::addTable(const std::vector<std::string>& header, const std::vec
 }
 
 void HtmlReport::addPlot(const Plot& plot) {
-    // dygraphs wants rows that ascend in x, with null where a series has no value at that x.
-    struct Row {
-        double x;
-        std::size_t series;
-        double y;
-    };
-    std::vector<Row> rows;
-    for (std::size_t s = 0; s < plot.series.size(); ++s) {
-        const auto& series = plot.series[s];
-        const std::size_t count = std::min(series.x.size(), series.y.size());
-        const auto kept =
-            plot.points ? thinOut(count, 4 * buckets_per_series) : decimateByShape(series.y, buckets_per_series);
-        for (const auto i : kept) {
-            if (i < count && std::isfinite(series.x[i])) rows.push_back({series.x[i], s, series.y[i]});
-        }
-    }
-    std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.x < b.x; });
-
     const std::string id = "plot" + std::to_string(++plot_count_);
     body_ += "<figure><div class=\"plot\" id=\"" + id + "\" role=\"img\" aria-label=\"" + escapeHtml(plot.title) +
              "\"></div><figcaption>" + escapeHtml(plot.title) + "</figcaption></figure>\n";
     data_ += "wemsPlot({id:" + quoteScript(id) + ",x:" + quoteScript(plot.x_label) + ",y:" + quoteScript(plot.y_label) +
-             ",points:" + (plot.points ? "true" : "false") + ",names:[";
-    for (const auto& series : plot.series) data_ += quoteScript(series.name) + ",";
-    data_ += "],rows:[";
-    for (const auto& row : rows) {
-        data_ += "[" + formatScriptNumber(row.x) + ",";
-        for (std::size_t s = 0; s < plot.series.size(); ++s)
-            data_ += (s == row.series ? formatScriptNumber(row.y) : "null") + ",";
-        data_ += "],";
-    }
+             ",points:" + (plot.points ? "true" : "false") + ",series:[";
+    for (const Series& series : plot.series) data_ += formatSeries(series, plot.points) + ",";
     data_ += "]});\n";
 }
 
