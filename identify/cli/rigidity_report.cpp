@@ -20,7 +20,7 @@ void addMotionIfKnown(HtmlReport& report, const Recording& recording, const Moun
 void writeRigidityReport(const Rigidity& rigidity, const Table& table, const std::vector<std::string>& sentences,
                          const Recording& recording, const MountModel& model, const std::string& file) {
     HtmlReport report("Rigidity: " + recording.file);
-    report.addListing(table.format());
+    report.addTable(table.header(), table.rows());
     for (const std::string& sentence : sentences) report.addText(sentence);
     const auto& hertz = rigidity.swept.hertz;
     const bool over_frequency = rigidity.swept.is_sine;

@@ -188,6 +188,11 @@ class WemsRun {
   }
 }
 
+let wemsControls = 0;
+function wemsUniqueId() {
+  return "control" + ++wemsControls;
+}
+
 function wemsElement(name, attributes, parent, text) {
   const element = document.createElement(name);
   for (const key in attributes) element.setAttribute(key, attributes[key]);
@@ -197,9 +202,10 @@ function wemsElement(name, attributes, parent, text) {
 }
 
 function wemsRange(label, attributes, parent) {
-  const box = wemsElement("label", {}, parent, label + " ");
-  const value = wemsElement("output", {}, box);
-  return { input: wemsElement("input", { type: "range", ...attributes }, box), value };
+  const box = wemsElement("div", {}, parent), id = wemsUniqueId();
+  wemsElement("label", { for: id }, box, label);
+  const value = wemsElement("output", { for: id }, box);
+  return { input: wemsElement("input", { type: "range", id, ...attributes }, box), value };
 }
 
 function wemsCheck(label, checked, parent) {

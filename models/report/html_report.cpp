@@ -12,7 +12,8 @@
 namespace wems {
 namespace {
 
-constexpr std::size_t buckets_per_series = 1000;
+constexpr std::size_t most_buckets = 1000, fewest_buckets = 300;  // of a series
+constexpr std::size_t buckets_per_plot = 6000;                    // what a browser redraws without delay
 
 std::vector<std::size_t> thinOut(std::size_t count, std::size_t most) {
     const std::size_t stride = std::max<std::size_t>(1, (count + most - 1) / most);
@@ -22,10 +23,10 @@ std::vector<std::size_t> thinOut(std::size_t count, std::size_t most) {
 }
 
 /// What is kept of a series, in order of x.
-std::string formatSeries(const Series& series, bool points) {
+std::string formatSeries(const Series& series, bool points, std::size_t buckets) {
     const std::size_t count = std::min(series.x.size(), series.y.size());
     std::vector<std::size_t> kept;
-    for (const auto i : points ? thinOut(count, 4 * buckets_per_series) : decimateByShape(series.y, buckets_per_series))
+    for (const auto i : points ? thinOut(count, 4 * buckets) : decimateByShape(series.y, buckets))
         if (i < count && std::isfinite(series.x[i])) kept.push_back(i);
     std::stable_sort(kept.begin(), kept.end(), [&](std::size_t a, std::size_t b) { return series.x[a] < series.x[b]; });
     std::string x, y;
@@ -76,9 +77,11 @@ void HtmlReport::addTable(const std::vector<std::string>& header, const std::vec
     body_ += "<div class=\"table\"><table><thead><tr>";
     for (const auto& cell : header) body_ += "<th scope=\"col\">" + escapeHtml(cell) + "</th>";
     body_ += "</tr></thead><tbody>\n";
+    constexpr std::size_t longest_unbroken = 24;  // numbers and names stay on one line, sentences need not
     for (const auto& row : rows) {
         body_ += "<tr>";
-        for (const auto& cell : row) body_ += "<td>" + escapeHtml(cell) + "</td>";
+        for (const auto& cell : row)
+            body_ += (cell.size() <= longest_unbroken ? "<td class=\"short\">" : "<td>") + escapeHtml(cell) + "</td>";
         body_ += "</tr>\n";
     }
     body_ += "</tbody></table></div>\n";
@@ -86,11 +89,14 @@ void HtmlReport::addTable(const std::vector<std::string>& header, const std::vec
 
 void HtmlReport::addPlot(const Plot& plot) {
     const std::string id = "plot" + std::to_string(++plot_count_);
-    body_ += "<figure><div class=\"plot\" id=\"" + id + "\" role=\"img\" aria-label=\"" + escapeHtml(plot.title) +
-             "\"></div><figcaption>" + escapeHtml(plot.title) + "</figcaption></figure>\n";
-    data_ += "wemsPlot({id:" + quoteScript(id) + ",x:" + quoteScript(plot.x_label) + ",y:" + quoteScript(plot.y_label) +
+    body_ += "<figure><figcaption>" + escapeHtml(plot.title) + "</figcaption><div class=\"plot\" id=\"" + id +
+             "\" role=\"img\" aria-label=\"" + escapeHtml(plot.title) + "\"></div></figure>\n";
+    data_ += "wemsPlot({id:" + quoteScript(id) + ",title:" + quoteScript(plot.title) +
+             ",x:" + quoteScript(plot.x_label) + ",y:" + quoteScript(plot.y_label) +
              ",points:" + (plot.points ? "true" : "false") + ",series:[";
-    for (const Series& series : plot.series) data_ += formatSeries(series, plot.points) + ",";
+    const std::size_t buckets =
+        std::clamp(buckets_per_plot / std::max<std::size_t>(1, plot.series.size()), fewest_buckets, most_buckets);
+    for (const Series& series : plot.series) data_ += formatSeries(series, plot.points, buckets) + ",";
     data_ += "]});\n";
 }
 

@@ -38,7 +38,8 @@ public:
     /// Preformatted text, such as a table as the terminal shows it.
     void addListing(const std::string& text);
     void addTable(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
-    /// Series of lines are decimated by shape, clouds of points by stride, to some 4000 points each.
+    /// Series of lines are decimated by shape, clouds of points by stride, to some 4000 points each, fewer where there
+    /// are more than six series.
     void addPlot(const Plot& plot);
     /// The device moving (motion_scene.hpp).
     void addScene(const MotionScene& scene);
