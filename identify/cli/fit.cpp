@@ -13,6 +13,7 @@
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
 #include "models/error.hpp"
+#include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
@@ -148,25 +149,30 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, std::v
                Timing timing) {
     keepOnly(options.use, recordings);
     Stopwatch watch(timing);
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
     std::vector<RunMotion> runs;
     std::vector<std::string> notes;
     for (const Recording& recording : recordings) {
+        progress->step("motion of both parts, " + recording.file);
         runs.push_back(estimateMotion(recording, model));
         for (const auto& warning : recording.warnings) notes.push_back(recording.file + ": " + warning);
         for (const auto& note : runs.back().notes) notes.push_back(recording.file + ": " + note);
     }
     watch.lap("kinematics");
+    progress->step("equations of motion, parameters and intervals");
     const FitResult fit = fitMount(runs, model, options.fit);
     notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
     timing.insert(timing.end(), fit.timing.begin(), fit.timing.end());
+    if (!options.runs.validation.empty()) progress->step("free simulations of the validation runs");
     const auto validation =
         validateModel(fit.model, readDeviceRecordings(options.runs.validation, options.common.column_map, fit.model));
     watch.lap("validation");
+    progress.reset();
     if (!options.output.empty()) writeMountModel(fit.model, options.output);
-    if (options.common.json_file != "-") {
-        std::cout << makeParameterTable(fit).format();
+    if (options.common.printsText()) {
+        std::cout << makeParameterTable(fit).format(outputStyle());
         const Table open = makeOpenTable(fit);
-        if (!open.rows().empty()) std::cout << "\n" << open.format();
+        if (!open.rows().empty()) std::cout << "\n" << open.format(outputStyle());
         std::cout << "\n" << describeResidual(fit) << "\n";
         for (const ValidationError& run : validation)
             std::cout << "validation: " << options.campaign->describe(run.file) << ": error "
@@ -213,13 +219,16 @@ void run(FitCommandOptions options, const CLI::App& command) {
     const MountModel model = readDeviceModel(options.runs.model, options.common.geometry);
     const std::optional<ColumnMap> map = readDeviceMap(options.common.column_map, model);
     std::vector<Recording> recordings;
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
     for (const auto& file : options.runs.recordings) {
+        progress->step("reading " + file);
         recordings.push_back(readRecording(file, map ? &*map : nullptr));
         if (isComponentTest(recordings.back()) != isComponentTest(recordings.front()))
             throw InputError({file, 0, ""}, "a component test and a recording of a whole device",
                              "recordings of one kind in one fit");
     }
     watch.lap("reading");
+    progress.reset();
     const bool element =
         isComponentTest(recordings.front()) || command.count("--mass") > 0 || command.count("--axis") > 0;
     if (!element) {

@@ -7,6 +7,7 @@
 #include "identify/cli/inspect_report.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/inspect/inspection.hpp"
+#include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 
 namespace wems::identify::cli {
@@ -78,8 +79,12 @@ nlohmann::json makeJson(const Inspection& inspection, const Recording& recording
             {"warnings", recording.warnings}};
 }
 
-Inspection inspectOne(const std::string& file, const ColumnMap* map, const MountModel* model, Recording& recording) {
+Inspection inspectOne(const std::string& file, const ColumnMap* map, const MountModel* model, bool quiet,
+                      Recording& recording) {
+    Progress progress(!quiet);
+    progress.step("reading " + file);
     recording = readRecording(file, map);
+    progress.step("looking at " + file);
     return inspect(recording, model);
 }
 
@@ -92,8 +97,9 @@ void run(const InspectOptions& options, int& exit_status) {
     InspectReport report;
     for (const std::string& file : options.recordings) {
         Recording recording;
-        const Inspection inspection = inspectOne(file, map ? &*map : nullptr, model ? &*model : nullptr, recording);
-        if (options.common.json_file != "-") std::cout << formatInspection(inspection, recording);
+        const Inspection inspection =
+            inspectOne(file, map ? &*map : nullptr, model ? &*model : nullptr, options.common.quiet, recording);
+        if (options.common.printsText()) std::cout << formatInspection(inspection, recording, outputStyle());
         results.push_back(makeJson(inspection, recording));
         if (!options.common.report_file.empty()) report.add(inspection, recording);
         if (options.strict && !inspection.findings.empty()) exit_status = 1;

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/cli/rigidity_report.hpp"
 #include "models/mount_model.hpp"
+#include "models/progress.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
@@ -96,13 +98,18 @@ std::vector<std::string> makeSentences(const Rigidity& rigidity, const Recording
 
 void run(const Options& options, bool limited, int& exit_status) {
     const MountModel model = readDeviceModel(options.model, options.common.geometry);
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
+    progress->step("reading " + options.recording);
     const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
+    progress->step("checks");
     const Rigidity rigidity = checkRigidity(recording, model);
+    progress.reset();
     const Table table = makeTable(rigidity);
     const std::vector<std::string> sentences = makeSentences(rigidity, recording);
-    if (options.common.json_file != "-") {
-        std::cout << table.format();
-        for (const std::string& line : sentences) std::cout << line << "\n";
+    if (options.common.printsText()) {
+        std::cout << table.format(outputStyle());
+        for (const std::string& line : sentences)
+            std::cout << (line.rfind("Suspect", 0) == 0 ? paint(line, Colour::yellow, outputStyle()) : line) << "\n";
     }
     writeJson(makeJson(rigidity, recording), options.common);
     if (!options.common.report_file.empty())

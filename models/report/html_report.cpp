@@ -69,10 +69,6 @@ void HtmlReport::addText(const std::string& text) {
     body_ += "<p>" + escapeHtml(text) + "</p>\n";
 }
 
-void HtmlReport::addListing(const std::string& text) {
-    body_ += "<pre>" + escapeHtml(text) + "</pre>\n";
-}
-
 void HtmlReport::addTable(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
     body_ += "<div class=\"table\"><table><thead><tr>";
     for (const auto& cell : header) body_ += "<th scope=\"col\">" + escapeHtml(cell) + "</th>";

@@ -35,8 +35,6 @@ public:
 
     void addHeading(const std::string& text);
     void addText(const std::string& text);
-    /// Preformatted text, such as a table as the terminal shows it.
-    void addListing(const std::string& text);
     void addTable(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
     /// Series of lines are decimated by shape, clouds of points by stride, to some 4000 points each, fewer where there
     /// are more than six series.

@@ -8,7 +8,9 @@ Exit status 77: there is no browser or no Selenium (Debian: chromium-driver, pyt
 """
 import argparse
 import base64
+import csv
 import os
+import re
 import shutil
 import sys
 import time
@@ -19,6 +21,7 @@ from make_reports import make_reports
 SKIPPED = 77
 LARGEST_PAGE = 10e6  # bytes
 WIDTHS = (1280, 390)
+CLEARANCE = 1.57e-3  # m, of the axial stops of the shipped device
 
 # Shares of pixels that differ from the corner's, of each canvas, and the number of colours there.
 CANVASES = """
@@ -168,7 +171,23 @@ def picture_of(browser):
     return browser.execute_script("return document.querySelector('.scene canvas').toDataURL()")
 
 
-def check_scene(browser, name, checks):
+def check_contact(words, name, out, checks):
+    """The axial stop that the picture says is closed is closed in the recording at that time."""
+    said = re.search(r"([\d.]+) s: stop closed:.*?(\d)\.z\.([+-])", words)
+    checks.check(said, f"{name}: an axial stop closes, in: {words}")
+    if not said:
+        return
+    with open(out / "axial.csv", newline="") as file:
+        rows = csv.reader(line for line in file if not line.startswith("#"))
+        header = [column.split(" ")[0] for column in next(rows)]
+        columns = [header.index(column) for column in ("time", f"mobile.{said[2]}.z", f"fixed.{said[2]}.z")]
+        time_z = [[float(row[column]) for column in columns] for row in rows]
+    _, mobile, fixed = min(time_z, key=lambda row: abs(row[0] - float(said[1])))
+    travel = (mobile - fixed) * (1 if said[3] == "+" else -1)
+    checks.check(travel > CLEARANCE - 2e-5, f"{name}: {said[0]}, but the travel is {1e3 * travel:.3f} mm")
+
+
+def check_scene(browser, name, out, checks):
     """Each control of the moving picture changes it."""
     from selenium.webdriver.common.keys import Keys
     shown = [e for e in find(browser, ".controls button, .controls input, .controls select") if e.is_displayed()]
@@ -197,6 +216,7 @@ def check_scene(browser, name, checks):
     closed = any(seek(browser, control, station, moment) for station in range(stations // 2, stations, 3)
                  for moment in range(0, int(control["Moment"].get_attribute("max")), 6))
     checks.check(closed, f"{name}: a stop closes")
+    check_contact(words(), name, out, checks)
     control["Play"].click()
     checks.check(control["Play"].text == "Pause", f"{name}: Play turns into Pause")
     start = control["Moment"].get_attribute("value")
@@ -266,7 +286,7 @@ def main():
             check_zoom(browser, name, checks)
             check_legend(browser, name, checks)
             if find(browser, ".scene"):
-                check_scene(browser, name, checks)
+                check_scene(browser, name, arguments.out, checks)
             check_page(browser, name, checks, arguments.out)
             errors = [entry["message"] for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
             checks.check(not errors, f"{name}: console errors {errors}")
