@@ -56,16 +56,19 @@ std::string formatBashCompletion(const CLI::App& app, const std::string& program
         values += formatValueCases(*command, command->get_name());
     }
     options += "            '') words='" + listOptions(app) + names + "' ;;\n";
+    // What does not begin with a dash is a file, which bash completes by itself; but the first word may be a command.
+    const std::string command = names.empty() ? "" : R"(
+    case " )" + names + R"( " in *" ${COMP_WORDS[1]} "*) [ "$COMP_CWORD" -gt 1 ] && command=${COMP_WORDS[1]} ;; esac)";
+    const std::string is_file = names.empty() ? "$current != -*" : "$current != -* && -n $command";
     return "# bash completion of " + program + "\n" + function + R"(() {
-    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} command='' words=''
-    case " )" +
-           names + R"( " in *" ${COMP_WORDS[1]} "*) [ "$COMP_CWORD" -gt 1 ] && command=${COMP_WORDS[1]} ;; esac
+    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} command='' words='')" +
+           command + R"(
     case "$command $previous" in
 )" + values +
            R"(    esac
-    if [ -z "$words" ]; then
-        if [[ $current != -* && -n "$command)" +
-           (names.empty() ? "x" : "") + R"(" ]]; then return; fi  # a file: bash's own completion
+    if [[ -z $words ]]; then
+        if [[ )" +
+           is_file + R"( ]]; then return; fi
         case "$command" in
 )" + options +
            R"(        esac

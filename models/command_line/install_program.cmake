@@ -1,5 +1,5 @@
-# wems_install_program(<target>): installs the executable under its prefix, its completion for bash, and, where help2man is
-# found, a manual page made from its help.
+# wems_install_program(<target> [<command> …]): installs the executable under its prefix, its completion for bash, and, where
+# help2man is found, manual pages made from its help and from that of each of its commands.
 find_program(HELP2MAN help2man)
 
 function(wems_install_program program)
@@ -15,16 +15,16 @@ function(wems_install_program program)
   install(FILES ${folder}/completions/${name} DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
   set(documents ${folder}/completions/${name})
   if(HELP2MAN)
-    set(help_option --help)
-    if(program STREQUAL "identify")
-      set(help_option --help-all)
-    endif()
-    add_custom_command(OUTPUT ${folder}/${name}.1
-      COMMAND ${HELP2MAN} --no-info --version-string=${PROJECT_VERSION} --source=WEMS --help-option=${help_option}
-              --name=${PROJECT_DESCRIPTION} --output=${folder}/${name}.1 ${folder}/bin/${name}
-      DEPENDS ${folder}/completions/${name} COMMENT "Manual page of ${name}" VERBATIM)
-    list(APPEND documents ${folder}/${name}.1)
-    install(FILES ${folder}/${name}.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+    foreach(command "" ${ARGN})
+      string(JOIN "-" page ${name} ${command})
+      string(JOIN " " call ${folder}/bin/${name} ${command})
+      add_custom_command(OUTPUT ${folder}/${page}.1
+        COMMAND ${HELP2MAN} --no-info --version-string=${PROJECT_VERSION} --source=WEMS --name=${PROJECT_DESCRIPTION}
+                --output=${folder}/${page}.1 ${call}
+        DEPENDS ${folder}/completions/${name} COMMENT "Manual page of ${page}" VERBATIM)
+      list(APPEND documents ${folder}/${page}.1)
+      install(FILES ${folder}/${page}.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+    endforeach()
   endif()
   add_custom_target(documents_of_${program} ALL DEPENDS ${documents})
 endfunction()

@@ -82,7 +82,7 @@ TEST_CASE("Progress is shown on a terminal and taken away again") {
     CHECK_THAT(runOnTerminal({"inspect", "run.csv", "--quiet"}, folder.path(), ""), !Contains("reading"));
 }
 
-TEST_CASE("--json - gives the data and nothing else, --quiet gives nothing") {
+TEST_CASE("Data and nothing else with --json -, nothing with --quiet") {
     const TemporaryDirectory folder;
     folder.write("run.csv", component_test);
     const auto data = runProgram(IDENTIFY_PROGRAM, {"inspect", "run.csv", "--json", "-"}, folder.path());

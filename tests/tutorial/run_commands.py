@@ -3,7 +3,8 @@
 
     run_commands.py FILE.md --work FOLDER --source SOURCE --build BUILD --programs NAME=PATH …
 
-A line of a `text` block must occur in the output: its words in this order within one line, numbers to 2 %. Lines follow
+A line of a `text` block must occur in the output: its words one after the other in one line, but for punctuation at their
+ends, numbers to 2 %. Lines follow
 each other in the output; `…` allows any number of lines between, which without it are not allowed but for blank ones and
 rules. Blocks run in FOLDER, in order, each with `set -e`.
 """
@@ -39,13 +40,14 @@ def read_blocks(markdown):
 
 
 def same_word(expected, word):
+    expected, word = expected.rstrip(",;:"), word.rstrip(",;:")
     if NUMBER.match(expected) and NUMBER.match(word):
         return abs(float(expected) - float(word)) <= TOLERANCE * abs(float(expected))
     return expected == word
 
 
 def fits(expected, line):
-    """True if the words of `expected` begin `line`, or, of a single phrase, occur in it one after the other."""
+    """True if the words of `expected` occur in `line` one after the other."""
     wanted, words = expected.split(), line.split()
     return any(len(words) - start >= len(wanted) and all(map(same_word, wanted, words[start:]))
                for start in range(len(words) - len(wanted) + 1))
