@@ -12,6 +12,7 @@
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
 #include "models/error.hpp"
+#include "models/format_number.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
@@ -70,17 +71,11 @@ Table makeParameterTable(const FitResult& fit) {
     return table;
 }
 
-std::string join(const std::vector<std::string>& names) {
-    std::string text;
-    for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-    return text;
-}
-
 Table makeOpenTable(const FitResult& fit) {
     Table table({"not identifiable one by one", "what is known", "value", "95 % from", "to", "would be told by"});
     for (const auto& group : fit.not_identifiable) {
         const bool known = !group.combination.empty();
-        table.addRow({join(group.names),
+        table.addRow({joinWords(group.names),
                       known                  ? group.combination
                       : group.reason.empty() ? "nothing"
                                              : group.reason,
@@ -204,7 +199,7 @@ void fitElement(const FitCommandOptions& options, const MountModel& model, const
     page.write(options.common.report_file);
 }
 
-void run(FitCommandOptions options, const CLI::App& command) {
+void runFit(FitCommandOptions options, const CLI::App& command) {
     Timing timing;
     Stopwatch watch(timing);
     options.campaign = resolveRuns(options.runs, options.common);
@@ -270,7 +265,7 @@ void addFitCommand(CLI::App& app, int& /*exit_status*/) {
         "  identify fit axial.csv oblique.csv --model believed.toml -o fitted.toml --json fit.json\n"
         "  identify fit --test campaign.toml -o fitted.toml\n"
         "  identify fit drop.csv --columns map.toml --model element.toml --mass 0.639 --from 0.40 --to 0.55");
-    command->callback([options, command] { run(*options, *command); });
+    command->callback([options, command] { runFit(*options, *command); });
 }
 
 }  // namespace wems::identify::cli

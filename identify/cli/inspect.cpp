@@ -19,10 +19,6 @@ struct InspectOptions {
     bool strict = false;
 };
 
-nlohmann::json numberOrNull(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-}
-
 nlohmann::json makeChannelJson(const ChannelStatistics& channel) {
     return {{"name", channel.name},
             {"unit", channel.unit},
@@ -83,7 +79,7 @@ Inspection inspectOne(const std::string& file, const ColumnMap* map, const Mount
     return inspect(recording, model);
 }
 
-void run(const InspectOptions& options, int& exit_status) {
+void runInspect(const InspectOptions& options, int& exit_status) {
     std::optional<MountModel> model;
     if (!options.model.empty()) model = readDeviceModel(options.model, options.common.geometry);
     const std::optional<ColumnMap> map =
@@ -113,7 +109,7 @@ void addInspectCommand(CLI::App& app, int& exit_status) {
     addCommonOptions(*command, options->common);
     addGeometryOption(*command, options->common);
     command->footer("Example:\n  identify inspect run1.csv run2.mat --model mount.toml --report runs.html");
-    command->callback([options, &exit_status] { run(*options, exit_status); });
+    command->callback([options, &exit_status] { runInspect(*options, exit_status); });
 }
 
 }  // namespace wems::identify::cli
