@@ -11,6 +11,7 @@
 #include "identify/cli/component_fit.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
+#include "identify/motion/parallel.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/recording/recording_reader.hpp"
@@ -141,16 +142,17 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, std::v
                Timing timing) {
     keepOnly(options.use, recordings);
     Stopwatch watch(timing);
-    std::vector<RunMotion> runs;
+    std::vector<RunMotion> runs(recordings.size());
     std::vector<std::string> notes;
-    for (const Recording& recording : recordings) {
-        runs.push_back(estimateMotion(recording, model));
-        for (const auto& warning : recording.warnings) notes.push_back(recording.file + ": " + warning);
-        for (const auto& note : runs.back().notes) notes.push_back(recording.file + ": " + note);
+    runParallel(recordings.size(), [&](std::size_t r) { runs[r] = estimateMotion(recordings[r], model); });
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        for (const auto& warning : recordings[r].warnings) notes.push_back(recordings[r].file + ": " + warning);
+        for (const auto& note : runs[r].notes) notes.push_back(recordings[r].file + ": " + note);
     }
     watch.lap("kinematics");
     const FitResult fit = fitMount(runs, model, options.fit);
     notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
+    watch.restart();  // the fit has steps of its own
     timing.insert(timing.end(), fit.timing.begin(), fit.timing.end());
     const auto validation =
         validateModel(fit.model, readDeviceRecordings(options.runs.validation, options.common.column_map, fit.model));

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "identify/diagnose/leftover.hpp"
-#include "identify/diagnose/parallel.hpp"
 #include "identify/diagnose/screening.hpp"
+#include "identify/motion/parallel.hpp"
 
 namespace wems::identify {
 namespace {
