@@ -1,0 +1,135 @@
+#include "identify/cli/long_recordings.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+
+#include "identify/cli/recordings.hpp"
+#include "identify/component/component_data.hpp"
+#include "models/error.hpp"
+#include "models/recording/recording_reader.hpp"
+#include "models/recording/recording_stream.hpp"
+
+namespace wems::identify::cli {
+namespace {
+
+constexpr double megabyte = 1e6;
+constexpr double block_share = 1.5;  // of block_rows, the longest block
+constexpr double fixed_memory = 60;  // MB, of the program and of reading
+
+double calcBlockMemory(const RecordingSize& size, const MountModel& model, const FitOptions& options) {
+    return block_share * static_cast<double>(block_rows) *
+           (sizeof(double) * size.channels + calcFitMemory(model, options)) / megabyte;
+}
+
+/// Notes of blocks, those that say the same but for their numbers once for each recording.
+class BlockNotes {
+public:
+    void add(const std::string& file, const std::string& note) {
+        std::string kind = file + ": " + note;
+        kind.erase(
+            std::remove_if(kind.begin(), kind.end(), [](unsigned char c) { return std::isdigit(c) != 0 || c == '.'; }),
+            kind.end());
+        const auto [place, is_new] = index_.try_emplace(kind, notes_.size());
+        if (is_new) notes_.push_back({file + ": " + note, 0});
+        ++notes_[place->second].blocks;
+    }
+
+    std::vector<std::string> list() const {
+        std::vector<std::string> texts;
+        for (const Note& note : notes_)
+            texts.push_back(note.blocks == 1
+                                ? note.text
+                                : note.text + " (and the like in " + std::to_string(note.blocks - 1) + " more blocks)");
+        return texts;
+    }
+
+private:
+    struct Note {
+        std::string text;
+        long blocks = 0;
+    };
+    std::map<std::string, std::size_t> index_;
+    std::vector<Note> notes_;
+};
+
+}  // namespace
+
+void addMemoryOption(CLI::App& command, MemoryOption& option) {
+    command
+        .add_option("--memory", option.megabytes,
+                    "MB that CSV recordings may take; longer ones are worked through in blocks (default 2000)")
+        ->check(CLI::PositiveNumber);
+}
+
+std::optional<RecordingSize> estimateSize(const std::vector<std::string>& files, const ColumnMap* map) {
+    RecordingSize size;
+    for (const std::string& file : files) {
+        if (!isPlainCsv(file)) return std::nullopt;
+        const RecordingStream stream(file, map, block_rows);
+        const Recording& header = stream.header();
+        size.samples += stream.expectedSamples();
+        size.channels = std::max(size.channels, static_cast<double>(header.channels.size()));
+        size.component = size.component || isComponentTest(header);
+    }
+    return size;
+}
+
+std::string BlockUse::describe() const {
+    std::string text = "used " + std::to_string(used) + " of " + std::to_string(offered) + " blocks of " +
+                       std::to_string(block_rows) + " rows (--memory " + formatNumber(megabytes) +
+                       "), chosen by the information that they hold on all parameters (D-optimal)";
+    if (used < offered)
+        text +=
+            "; standard errors are about " + formatNumber(cost.median, 2) + " times those of all blocks" +
+            (cost.parameter.empty() ? "" : ", at most " + formatNumber(cost.largest, 2) + " (" + cost.parameter + ")");
+    return text;
+}
+
+nlohmann::json BlockUse::makeJson() const {
+    return {{"used", used},
+            {"of", offered},
+            {"rows", block_rows},
+            {"memory_MB", megabytes},
+            {"chosen_by", "largest determinant of the information on all parameters"},
+            {"standard_errors_over_all", {{"median", cost.median}, {"largest", cost.largest}}}};
+}
+
+bool exceedsMemory(const RecordingSize& size, const MountModel& model, const FitOptions& options,
+                   const MemoryOption& memory) {
+    const double bytes = size.samples * (sizeof(double) * size.channels + calcFitMemory(model, options));
+    return bytes / megabyte + fixed_memory > memory.megabytes;
+}
+
+DeviceRuns chooseBlocks(const std::vector<std::string>& files, const ColumnMap* map, const MountModel& model,
+                        const FitOptions& options, const std::string& use, const RecordingSize& size,
+                        const MemoryOption& memory) {
+    const double each = calcBlockMemory(size, model, options);
+    const double room = memory.megabytes - fixed_memory - each;  // one block passes by
+    if (room < each)
+        throw InputError({"", 0, "--memory"}, "is too small for a block of " + std::to_string(block_rows) + " rows",
+                         "at least " + formatNumber(std::ceil(fixed_memory + 2 * each)) + " for this model");
+    BlockChoice choice(model, options, static_cast<std::size_t>(room / each));
+    BlockNotes notes;
+    for (const std::string& file : files) {
+        RecordingStream stream(file, map, block_rows);
+        Recording block;
+        while (stream.next(block)) {
+            checkConnections(block, model);
+            keepOnly(use, block);
+            RunMotion motion = estimateMotion(block, model);
+            for (const auto& warning : block.warnings) notes.add(file, warning);
+            for (const auto& note : motion.notes) notes.add(file, note);
+            choice.offer(std::move(motion));
+        }
+    }
+    DeviceRuns result;
+    result.blocks = BlockUse{choice.keptCount(), choice.offeredCount(), memory.megabytes, choice.calcCost()};
+    result.runs = choice.takeBlocks();
+    result.notes = notes.list();
+    result.notes.push_back(result.blocks->describe());
+    return result;
+}
+
+}  // namespace wems::identify::cli
