@@ -1,12 +1,11 @@
 #include "identify/cli/long_recordings.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <map>
 
 #include "identify/cli/recordings.hpp"
 #include "identify/component/component_data.hpp"
+#include "identify/inspect/block_notes.hpp"
 #include "models/error.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_stream.hpp"
@@ -22,37 +21,6 @@ double calcBlockMemory(const RecordingSize& size, const MountModel& model, const
     return block_share * static_cast<double>(block_rows) *
            (sizeof(double) * size.channels + calcFitMemory(model, options)) / megabyte;
 }
-
-/// Notes of blocks, those that say the same but for their numbers once for each recording.
-class BlockNotes {
-public:
-    void add(const std::string& file, const std::string& note) {
-        std::string kind = file + ": " + note;
-        kind.erase(
-            std::remove_if(kind.begin(), kind.end(), [](unsigned char c) { return std::isdigit(c) != 0 || c == '.'; }),
-            kind.end());
-        const auto [place, is_new] = index_.try_emplace(kind, notes_.size());
-        if (is_new) notes_.push_back({file + ": " + note, 0});
-        ++notes_[place->second].blocks;
-    }
-
-    std::vector<std::string> list() const {
-        std::vector<std::string> texts;
-        for (const Note& note : notes_)
-            texts.push_back(note.blocks == 1
-                                ? note.text
-                                : note.text + " (and the like in " + std::to_string(note.blocks - 1) + " more blocks)");
-        return texts;
-    }
-
-private:
-    struct Note {
-        std::string text;
-        long blocks = 0;
-    };
-    std::map<std::string, std::size_t> index_;
-    std::vector<Note> notes_;
-};
 
 }  // namespace
 
@@ -119,8 +87,8 @@ DeviceRuns chooseBlocks(const std::vector<std::string>& files, const ColumnMap* 
             checkConnections(block, model);
             keepOnly(use, block);
             RunMotion motion = estimateMotion(block, model);
-            for (const auto& warning : block.warnings) notes.add(file, warning);
-            for (const auto& note : motion.notes) notes.add(file, note);
+            for (const auto& warning : block.warnings) notes.add(file + ": " + warning);
+            for (const auto& note : motion.notes) notes.add(file + ": " + note);
             choice.offer(std::move(motion));
         }
     }
