@@ -108,7 +108,8 @@ Inspection inspectStream(const std::string& file, const ColumnMap* map, const Mo
 /// @param recording its values are left out where it is long
 Inspection inspectOne(const InspectOptions& options, const std::string& file, const ColumnMap* map,
                       const MountModel* model, Recording& recording) {
-    constexpr double bytes_a_value = 30;  // of the recording, its uniform copy, what is found in it; measured
+    // Of the recording, its uniform copy, what is found in it, the rigid motions; measured.
+    const double bytes_a_value = model != nullptr ? 65 : 30;
     const auto size = estimateSize({file}, map);
     if (size && bytes_a_value * size->samples * size->channels > 1e6 * options.memory.megabytes)
         return inspectStream(file, map, model, recording);

@@ -14,12 +14,12 @@ namespace wems::identify::cli {
 namespace {
 
 constexpr double megabyte = 1e6;
-constexpr double block_share = 1.5;  // of block_rows, the longest block
+constexpr double passing = 1.5;      // of block_rows, the longest block that passes by
 constexpr double fixed_memory = 60;  // MB, of the program and of reading
 
 double calcBlockMemory(const RecordingSize& size, const MountModel& model, const FitOptions& options) {
-    return block_share * static_cast<double>(block_rows) *
-           (sizeof(double) * size.channels + calcFitMemory(model, options)) / megabyte;
+    return static_cast<double>(block_rows) * (sizeof(double) * size.channels + calcFitMemory(model, options)) /
+           megabyte;
 }
 
 }  // namespace
@@ -74,10 +74,11 @@ DeviceRuns chooseBlocks(const std::vector<std::string>& files, const ColumnMap* 
                         const FitOptions& options, const std::string& use, const RecordingSize& size,
                         const MemoryOption& memory) {
     const double each = calcBlockMemory(size, model, options);
-    const double room = memory.megabytes - fixed_memory - each;  // one block passes by
+    const double room = memory.megabytes - fixed_memory - passing * each;
     if (room < each)
-        throw InputError({"", 0, "--memory"}, "is too small for a block of " + std::to_string(block_rows) + " rows",
-                         "at least " + formatNumber(std::ceil(fixed_memory + 2 * each)) + " for this model");
+        throw InputError(
+            {"", 0, "--memory"}, "is too small for a block of " + std::to_string(block_rows) + " rows",
+            "at least " + formatNumber(std::ceil(fixed_memory + (1 + passing) * each)) + " for this model");
     BlockChoice choice(model, options, static_cast<std::size_t>(room / each));
     BlockNotes notes;
     for (const std::string& file : files) {

@@ -91,7 +91,7 @@ void BlockChoice::offer(RunMotion block) {
         return;
     }
     const Eigen::MatrixXd with = kept_information_ + candidate.information;
-    double best = calcLogDeterminant(kept_information_) + least_gain;
+    double best = calcLevel() + least_gain;
     Block* leaves = nullptr;
     for (Block& kept : kept_) {
         const double exchanged = calcLogDeterminant(with - kept.information);
@@ -112,6 +112,10 @@ std::vector<RunMotion> BlockChoice::takeBlocks() {
     for (Block& block : kept_) motions.push_back(std::move(block.motion));
     kept_.clear();
     return motions;
+}
+
+double BlockChoice::calcLevel() const {
+    return calcLogDeterminant(kept_information_);
 }
 
 BlockChoice::Cost BlockChoice::calcCost() const {

@@ -43,6 +43,9 @@ public:
         std::string parameter;  ///< of the largest
     };
     Cost calcCost() const;
+    /// Logarithm of the determinant of the information kept, the parameters scaled: what is made large.
+    double calcLevel() const;
+    std::size_t parameterCount() const { return parameters_.size(); }
 
 private:
     Eigen::MatrixXd calcInformation(const RunMotion& block) const;

@@ -8,6 +8,7 @@
 
 #include "models/error.hpp"
 #include "models/recording/csv_reader.hpp"
+#include "models/recording/mat_extent.hpp"
 #include "models/recording/mat_reader.hpp"
 #include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_table.hpp"
@@ -74,6 +75,7 @@ Recording readRecording(const std::string& file, const ColumnMap* map) {
         case Format::hdf5:
             return makeRecording(readMat(file, true), map);
         case Format::mat:
+            checkMatExtent(text, file);
             return makeRecording(readMat(file, false), map);
         case Format::trc:
             return makeRecording(readTrc(text, file), map);
