@@ -51,8 +51,8 @@ TEST_CASE("One pass keeps nearly the best set of blocks") {
     INFO("seed " << seed);
     std::mt19937 random(seed);
     std::vector<RunMotion> blocks;
-    for (const Eigen::Vector3d force : {Eigen::Vector3d(0, 0, 30), Eigen::Vector3d(0, 0, 400),
-                                        Eigen::Vector3d(150, 0, 0), Eigen::Vector3d(0, 150, 0)})
+    for (const Eigen::Vector3d& force : {Eigen::Vector3d(0, 0, 30), Eigen::Vector3d(0, 0, 400),
+                                         Eigen::Vector3d(150, 0, 0), Eigen::Vector3d(0, 150, 0)})
         for (RunMotion& block : makeBlocks(force, 2500, random())) blocks.push_back(std::move(block));
     std::shuffle(blocks.begin(), blocks.end(), random);
     REQUIRE(blocks.size() >= 8);

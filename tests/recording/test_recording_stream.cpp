@@ -83,7 +83,9 @@ TEST_CASE("What is wrong where blocks meet is found") {
 TEST_CASE("Numbered samples and a rest position go through all blocks") {
     std::mt19937 random(2);
     const test::TemporaryFile file(makeText(5000, random));
-    const ColumnMap map = parseColumnMap("[table]\ntime = \"none\"\nsample_interval = 0.5\nrest = 20.0\n", "map.toml");
+    const ColumnMap map = parseColumnMap(
+        "[columns]\n\"mobile.1.z\" = \"mobile.1.z\"\n[table]\ntime = \"none\"\nsample_interval = 0.5\nrest = 20.0\n",
+        "map.toml");
     const Recording whole = readRecording(file.path(), &map);
     const auto blocks = readBlocks(file.path(), 700, &map);
     REQUIRE(blocks.size() > 3);
