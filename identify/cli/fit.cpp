@@ -9,6 +9,7 @@
 #include "identify/cli/campaign.hpp"
 #include "identify/cli/command.hpp"
 #include "identify/cli/component_fit.hpp"
+#include "identify/cli/long_recordings.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
 #include "identify/motion/parallel.hpp"
@@ -23,6 +24,7 @@ namespace {
 struct FitCommandOptions {
     CommonOptions common;
     FitOptions fit;
+    MemoryOption memory;
     RunSelection runs;
     std::optional<TestCampaign> campaign;
     std::string output, use = "all";
@@ -122,34 +124,22 @@ void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const
     page.write(file);
 }
 
-/// Leaves out the displacement or the acceleration channels of both parts.
-void keepOnly(const std::string& use, std::vector<Recording>& recordings) {
-    if (use == "all") return;
-    const Derivative kept = use == "accelerations" ? Derivative::acceleration : Derivative::displacement;
-    for (Recording& recording : recordings) {
-        auto& channels = recording.channels;
-        channels.erase(std::remove_if(channels.begin(), channels.end(),
-                                      [&](const Channel& channel) {
-                                          const auto name = parseChannelName(channel.name);
-                                          return name && (name->part == Part::mobile || name->part == Part::fixed) &&
-                                                 name->derivative != kept;
-                                      }),
-                       channels.end());
+DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& model, std::vector<Recording>& recordings) {
+    DeviceRuns result;
+    for (Recording& recording : recordings) keepOnly(options.use, recording);
+    result.runs.resize(recordings.size());
+    runParallel(recordings.size(), [&](std::size_t r) { result.runs[r] = estimateMotion(recordings[r], model); });
+    for (std::size_t r = 0; r < recordings.size(); ++r) {
+        for (const auto& warning : recordings[r].warnings) result.notes.push_back(recordings[r].file + ": " + warning);
+        for (const auto& note : result.runs[r].notes) result.notes.push_back(recordings[r].file + ": " + note);
     }
+    return result;
 }
 
-void fitDevice(const FitCommandOptions& options, const MountModel& model, std::vector<Recording>& recordings,
-               Timing timing) {
-    keepOnly(options.use, recordings);
+void fitDevice(const FitCommandOptions& options, const MountModel& model, DeviceRuns device, Timing timing) {
     Stopwatch watch(timing);
-    std::vector<RunMotion> runs(recordings.size());
-    std::vector<std::string> notes;
-    runParallel(recordings.size(), [&](std::size_t r) { runs[r] = estimateMotion(recordings[r], model); });
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-        for (const auto& warning : recordings[r].warnings) notes.push_back(recordings[r].file + ": " + warning);
-        for (const auto& note : runs[r].notes) notes.push_back(recordings[r].file + ": " + note);
-    }
-    watch.lap("kinematics");
+    const std::vector<RunMotion>& runs = device.runs;
+    std::vector<std::string>& notes = device.notes;
     const FitResult fit = fitMount(runs, model, options.fit);
     notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
     watch.restart();  // the fit has steps of its own
@@ -172,6 +162,7 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, std::v
                 std::cout << "time: " << step << " " << formatNumber(seconds, 3) << " s\n";
     }
     nlohmann::json result = makeJson(fit, notes, options.timing ? timing : Timing{});
+    if (device.blocks) result["blocks"] = device.blocks->makeJson();
     for (const ValidationError& run : validation)
         result["validation"].push_back({{"run", run.file}, {"error", run.error}});
     writeJson(result, options.common);
@@ -201,12 +192,25 @@ void fitElement(const FitCommandOptions& options, const MountModel& model, const
     page.write(options.common.report_file);
 }
 
+bool asksForElement(const CLI::App& command) {
+    return command.count("--mass") > 0 || command.count("--axis") > 0;
+}
+
 void runFit(FitCommandOptions options, const CLI::App& command) {
     Timing timing;
     Stopwatch watch(timing);
     options.campaign = resolveRuns(options.runs, options.common);
     const MountModel model = readDeviceModel(options.runs.model, options.common.geometry);
     const std::optional<ColumnMap> map = readDeviceMap(options.common.column_map, model);
+    const auto size = estimateSize(options.runs.recordings, map ? &*map : nullptr);
+    if (size && !size->component && !asksForElement(command) &&
+        exceedsMemory(*size, model, options.fit, options.memory)) {
+        DeviceRuns device = chooseBlocks(options.runs.recordings, map ? &*map : nullptr, model, options.fit,
+                                         options.use, *size, options.memory);
+        watch.lap("reading and choice of blocks");
+        fitDevice(options, model, std::move(device), std::move(timing));
+        return;
+    }
     std::vector<Recording> recordings;
     for (const auto& file : options.runs.recordings) {
         recordings.push_back(readRecording(file, map ? &*map : nullptr));
@@ -215,12 +219,12 @@ void runFit(FitCommandOptions options, const CLI::App& command) {
                              "recordings of one kind in one fit");
     }
     watch.lap("reading");
-    const bool element =
-        isComponentTest(recordings.front()) || command.count("--mass") > 0 || command.count("--axis") > 0;
-    if (!element) {
+    if (!isComponentTest(recordings.front()) && !asksForElement(command)) {
         for (Recording& recording : recordings) checkConnections(recording, model);
         watch.lap("checks");
-        fitDevice(options, model, recordings, std::move(timing));
+        DeviceRuns device = estimateRuns(options, model, recordings);
+        watch.lap("kinematics");
+        fitDevice(options, model, std::move(device), std::move(timing));
         return;
     }
     ComponentOptions& component = options.component;
@@ -251,6 +255,7 @@ void addFitCommand(CLI::App& app, int& /*exit_status*/) {
     command->add_flag("--timing", options->timing, "show how long each step took");
     addCommonOptions(*command, options->common);
     addGeometryOption(*command, options->common);
+    addMemoryOption(*command, options->memory);
     const std::string element = "Component test (one element, force measured or a known mass)";
     command->add_option("--connection", options->component.connection, "absent: the first one recorded")
         ->group(element);

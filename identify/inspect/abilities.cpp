@@ -68,25 +68,15 @@ void describeComponents(const Recording& recording, std::vector<std::string>& li
     }
 }
 
-/// Stops that the relative displacements of the rigid motions pass.
-void describeStops(const Recording& recording, const MountModel& model, std::vector<std::string>& lines) {
-    RelativeDisplacement relative;
-    try {
-        relative = calcRelativeDisplacement(recording, model);
-    } catch (const InputError&) {
-        return;  // the motions cannot be recovered, which stands above
-    }
+void describeStops(const MountModel& model, const std::vector<bool>& is_reached, std::vector<std::string>& lines) {
     std::vector<std::string> reached, missed;
-    for (std::size_t i = 0; i < model.connections.size(); ++i) {
-        for (int axis = 0; axis < 3; ++axis) {
-            const AxisLaw& law = model.connections[i].axis.at(static_cast<std::size_t>(axis));
-            const Eigen::RowVectorXd q =
-                relative.q.row(3 * static_cast<Eigen::Index>(i) + axis).array() + law.offset;  // from mid-gap
-            for (const Stop& stop : law.stops) {
-                const bool positive = stop.side == Side::positive;
+    std::size_t next = 0;
+    for (const Connection& connection : model.connections) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            for (const Stop& stop : connection.axis.at(axis).stops) {
                 const std::string name =
-                    model.connections[i].name + "." + static_cast<char>('x' + axis) + (positive ? ".+" : ".-");
-                ((positive ? q.maxCoeff() : -q.minCoeff()) > stop.clearance ? reached : missed).push_back(name);
+                    connection.name + "." + static_cast<char>('x' + axis) + (stop.side == Side::positive ? ".+" : ".-");
+                (is_reached.at(next++) ? reached : missed).push_back(name);
             }
         }
     }
@@ -97,7 +87,28 @@ void describeStops(const Recording& recording, const MountModel& model, std::vec
 
 }  // namespace
 
-std::vector<std::string> describeAbilities(const Recording& recording, const MountModel* model) {
+std::vector<bool> findReachedStops(const Recording& recording, const MountModel& model) {
+    RelativeDisplacement relative;
+    try {
+        relative = calcRelativeDisplacement(recording, model);
+    } catch (const InputError&) {
+        return {};
+    }
+    std::vector<bool> reached;
+    for (std::size_t i = 0; i < model.connections.size(); ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const AxisLaw& law = model.connections[i].axis.at(static_cast<std::size_t>(axis));
+            const Eigen::RowVectorXd q =
+                relative.q.row(3 * static_cast<Eigen::Index>(i) + axis).array() + law.offset;  // from mid-gap
+            for (const Stop& stop : law.stops)
+                reached.push_back((stop.side == Side::positive ? q.maxCoeff() : -q.minCoeff()) > stop.clearance);
+        }
+    }
+    return reached;
+}
+
+std::vector<std::string> describeAbilities(const Recording& recording, const MountModel* model,
+                                           const std::vector<bool>& reached) {
     std::vector<std::string> lines;
     const bool component = has(recording, Part::relative) || has(recording, Part::force);
     if (has(recording, Part::load)) {
@@ -112,7 +123,7 @@ std::vector<std::string> describeAbilities(const Recording& recording, const Mou
     describePart(recording, model, Part::mobile, lines);
     describePart(recording, model, Part::fixed, lines);
     if (component) describeComponents(recording, lines);
-    if (model != nullptr) describeStops(recording, *model, lines);
+    if (model != nullptr && !reached.empty()) describeStops(*model, reached, lines);
     if (!has(recording, Part::mobile) && !component)
         lines.emplace_back("no channel of the mobile part and none of a component test: nothing can be identified");
     return lines;
