@@ -122,7 +122,7 @@ void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const
         page.addTable(open.header(), open.rows());
     }
     for (const auto& note : notes) page.addText(note);
-    addMotion(page, makeDeviceScene(runs, recordings, fit.model));
+    if (!recordings.empty()) addMotion(page, makeDeviceScene(runs, recordings, fit.model));
     addDisplacementPlots(page, runs);
     page.write(file);
 }
@@ -141,7 +141,9 @@ DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& mode
     return result;
 }
 
-void fitDevice(const FitCommandOptions& options, const MountModel& model, DeviceRuns device, Timing timing) {
+/// @param recordings of the runs; none where the runs are blocks of long ones
+void fitDevice(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings,
+               DeviceRuns device, Timing timing) {
     Stopwatch watch(timing);
     const std::vector<RunMotion>& runs = device.runs;
     std::vector<std::string>& notes = device.notes;
@@ -217,7 +219,7 @@ void runFit(FitCommandOptions options, const CLI::App& command) {
         DeviceRuns device = chooseBlocks(options.runs.recordings, map ? &*map : nullptr, model, options.fit,
                                          options.use, *size, options.memory);
         watch.lap("reading and choice of blocks");
-        fitDevice(options, model, std::move(device), std::move(timing));
+        fitDevice(options, model, {}, std::move(device), std::move(timing));
         return;
     }
     std::vector<Recording> recordings;
@@ -236,7 +238,7 @@ void runFit(FitCommandOptions options, const CLI::App& command) {
         watch.lap("checks");
         DeviceRuns device = estimateRuns(options, model, recordings);
         watch.lap("kinematics");
-        fitDevice(options, model, std::move(device), std::move(timing));
+        fitDevice(options, model, recordings, std::move(device), std::move(timing));
         return;
     }
     ComponentOptions& component = options.component;
