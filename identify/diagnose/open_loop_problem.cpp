@@ -36,6 +36,11 @@ Eigen::Matrix<float, 5, 1> calcSideFault(const MountModel& model, const std::str
     return fault;
 }
 
+bool sameSides(const MountModel& a, const MountModel& b) {
+    return calcSideFault(a, "mobile") == calcSideFault(b, "mobile") &&
+           calcSideFault(a, "fixed") == calcSideFault(b, "fixed");
+}
+
 bool sameLoad(const MountModel& a, const MountModel& b) {
     if (a.load.has_value() != b.load.has_value()) return false;
     return !a.load || a.load->gain_over_frequency == b.load->gain_over_frequency;
@@ -111,7 +116,7 @@ Eigen::VectorXf OpenLoopProblem::calcValues(const MountModel& model) const {
 
 void OpenLoopProblem::setReference(const MountModel& model) {
     reference_ = model;
-    reference_values_ = calcValues(model);
+    reference_residual_ = makeVector(calcValues(model));
     reference_forces_.assign(runs_.size(), {});
     for (std::size_t r = 0; r < runs_.size(); ++r)
         if (brackets_[r]) reference_forces_[r] = brackets_[r]->calcForceSpectra(model);
@@ -123,31 +128,78 @@ Eigen::MatrixXd OpenLoopProblem::calcBracketDifference(std::size_t run, const Mo
     const bool same_modes = sameModes(from.bracket, to.bracket);
     if (!brackets_[run] || (same_body && same_load && same_modes)) return {};
     if (same_modes && same_load) return brackets_[run]->calcBodyDifference(from, to);
-    if (same_body && same_load && sameShapes(from.bracket, to.bracket) && sameBody(from.body, reference_.body) &&
-        sameLoad(from, reference_))
-        return brackets_[run]->calcModesDifference(from, to, reference_forces_[run]);
     return brackets_[run]->calcPrediction(to) - brackets_[run]->calcPrediction(from);
 }
 
 WhiteVector OpenLoopProblem::calcResidual(const MountModel& model) const {
-    auto difference = calcDifference(reference_, model);
-    if (difference.isZero()) return makeVector(reference_values_);
-    return makeVector(reference_values_ + difference.values);
+    auto result = calcDifference(reference_, model);
+    if (result.isZero()) return reference_residual_;
+    result.values += reference_residual_.values;
+    result.calibration += reference_residual_.calibration;
+    return result;
+}
+
+bool OpenLoopProblem::differInLawsAlone(const MountModel& from, const MountModel& to) {
+    return sameBody(from.body, to.body) && sameLoad(from, to) && sameModes(from.bracket, to.bracket) &&
+           sameSides(from, to);
+}
+
+bool OpenLoopProblem::differInModesAlone(const MountModel& from, const MountModel& to) const {
+    return !sameModes(from.bracket, to.bracket) && sameShapes(from.bracket, to.bracket) &&
+           sameBody(from.body, to.body) && sameLoad(from, to) && sameBody(from.body, reference_.body) &&
+           sameLoad(from, reference_);
+}
+
+void OpenLoopProblem::addModesDifference(std::size_t run, const MountModel& from, const MountModel& to,
+                                         Eigen::VectorXf& values) const {
+    const Whitening& whitening = *whitenings_[run];
+    for (std::size_t j = 0; j < to.bracket.size(); ++j) {
+        const auto &before = from.bracket[j], &after = to.bracket[j];
+        if (before.frequency == after.frequency && before.damping_ratio == after.damping_ratio) continue;
+        const Eigen::VectorXd coordinate = brackets_[run]->calcModeDifference(
+            before, after, reference_forces_[run].row(static_cast<Eigen::Index>(j)).transpose());
+        addAlong(whitening.whitenDirection(Equation::bracket, calcShape(after)), whitening.calcSpectrum(coordinate),
+                 values.segment(offsets_[run] + whitening.mountSize(), whitening.mountSize()));
+    }
 }
 
 WhiteVector OpenLoopProblem::calcDifference(const MountModel& from, const MountModel& to) const {
-    Eigen::VectorXf values;
+    WhiteVector result;
+    const auto touch = [&] {
+        if (!result.isZero()) return;
+        result.values = Eigen::VectorXf::Zero(size_);
+        result.calibration = Eigen::VectorXd::Zero(calibration_.cols());
+    };
+    const auto addCalibration = [&](Eigen::Index first, Eigen::Index count) {
+        result.calibration +=
+            (calibration_.middleRows(first, count).transpose() * result.values.segment(first, count)).cast<double>();
+    };
+    const bool modes_alone = differInModesAlone(from, to);
     for (std::size_t r = 0; r < runs_.size(); ++r) {
+        const Eigen::Index first = offsets_[r], size = whitenings_[r]->mountSize();
         const Eigen::MatrixXd mount = calcMountDifference(runs_[r], from, to);
-        const Eigen::MatrixXd bracket = calcBracketDifference(r, from, to);
-        if (mount.size() == 0 && bracket.size() == 0) continue;
-        if (values.size() == 0) values = Eigen::VectorXf::Zero(size_);
-        values.segment(offsets_[r], whitenings_[r]->size()) = whitenings_[r]->apply(mount, bracket);
+        if (mount.size() > 0) {
+            touch();
+            whitenings_[r]->apply(Equation::mount, mount, result.values.segment(first, size));
+            addCalibration(first, size);
+        }
+        if (!brackets_[r]) continue;
+        const Eigen::MatrixXd bracket = modes_alone ? Eigen::MatrixXd() : calcBracketDifference(r, from, to);
+        if (bracket.size() == 0 && !modes_alone) continue;
+        touch();
+        if (modes_alone) {
+            addModesDifference(r, from, to, result.values);
+        } else {
+            whitenings_[r]->apply(Equation::bracket, bracket, result.values.segment(first + size, size));
+        }
+        addCalibration(first + size, size);
     }
-    addSideFaults(to, 1.0F, values);
-    addSideFaults(from, -1.0F, values);
-    if (values.size() == 0) return {};
-    return makeVector(std::move(values));
+    Eigen::VectorXf sides;
+    addSideFaults(to, 1.0F, sides);
+    addSideFaults(from, -1.0F, sides);
+    if (sides.size() == 0) return result;
+    if (result.isZero()) return makeVector(std::move(sides));
+    return makeVector(result.values + sides);
 }
 
 double OpenLoopProblem::product(const WhiteVector& a, const WhiteVector& b) const {

@@ -50,9 +50,13 @@ public:
     WhiteVector calcResidual(const MountModel& model) const;
     /// Residual of `to` minus that of `from`; values empty if nothing that is measured here differs.
     WhiteVector calcDifference(const MountModel& from, const MountModel& to) const;
+    /// True if body, bracket, load and sensors are the same.
+    static bool differInLawsAlone(const MountModel& from, const MountModel& to);
     /// A vector of whitened values with its calibration products.
     WhiteVector makeVector(Eigen::VectorXf values) const;
 
+    /// N: one column for each channel's gain and the load's axes, in standard deviations.
+    const Eigen::MatrixXf& calibrationColumns() const { return calibration_; }
     double product(const WhiteVector& a, const WhiteVector& b) const;
     /// Maximum-posterior calibration errors that a residual implies (in standard deviations).
     Eigen::VectorXd calcCalibration(const WhiteVector& residual) const;
@@ -62,6 +66,10 @@ private:
     Eigen::VectorXf calcValues(const MountModel& model) const;
     /// Change of the bracket's residual of a run; empty if there is none.
     Eigen::MatrixXd calcBracketDifference(std::size_t run, const MountModel& from, const MountModel& to) const;
+    /// True if what differs are frequencies or damping ratios of modes whose forces are known from the reference.
+    bool differInModesAlone(const MountModel& from, const MountModel& to) const;
+    void addModesDifference(std::size_t run, const MountModel& from, const MountModel& to,
+                            Eigen::VectorXf& values) const;
     void addSideFaults(const MountModel& model, float sign, Eigen::VectorXf& values) const;
 
     std::vector<OpenLoopRun> runs_;
@@ -70,7 +78,7 @@ private:
     std::vector<Eigen::Index> offsets_;
     Eigen::Index size_ = 0;
     MountModel reference_;
-    Eigen::VectorXf reference_values_;
+    WhiteVector reference_residual_;
     std::vector<Eigen::MatrixXcd> reference_forces_;  ///< spectra of the modal forces, one for each run
     Eigen::MatrixXf calibration_;
     Eigen::LLT<Eigen::MatrixXd> calibration_factor_;

@@ -12,8 +12,12 @@ namespace {
 /// A trial value is not trusted further than this along its way where the effect is not linear.
 constexpr double kFarthest = 1.5;
 
-Screened screenStart(const OpenLoopProblem& problem, const MountModel& model, const WhiteVector& residual,
-                     const Candidate& candidate, const std::vector<double>& start) {
+Screened screenStart(const OpenLoopProblem& problem, const LawDifferences& laws, const MountModel& model,
+                     const WhiteVector& residual, const Candidate& candidate, const std::vector<double>& start) {
+    const auto calcDifference = [&](const MountModel& changed) {
+        return OpenLoopProblem::differInLawsAlone(model, changed) ? laws.calc(model, changed)
+                                                                  : problem.calcDifference(model, changed);
+    };
     Screened result;
     result.values = start;
     std::vector<double> present;
@@ -21,7 +25,7 @@ Screened screenStart(const OpenLoopProblem& problem, const MountModel& model, co
     if (candidate.knobs.empty()) {
         MountModel changed = model;
         candidate.apply(changed, {});
-        const auto d = problem.calcDifference(model, changed);
+        const auto d = calcDifference(changed);
         result.gain = -2 * problem.product(residual, d) - problem.product(d, d);
         return result;
     }
@@ -36,7 +40,7 @@ Screened screenStart(const OpenLoopProblem& problem, const MountModel& model, co
         moved[static_cast<std::size_t>(i)] = start[static_cast<std::size_t>(i)];
         MountModel changed = model;
         candidate.apply(changed, moved);
-        columns.push_back(problem.calcDifference(model, changed));
+        columns.push_back(calcDifference(changed));
         right[i] = -problem.product(columns.back(), residual);
         for (Eigen::Index j = 0; j <= i; ++j)
             normal(i, j) = normal(j, i) = problem.product(columns.back(), columns[static_cast<std::size_t>(j)]);
@@ -61,15 +65,16 @@ Screened screenStart(const OpenLoopProblem& problem, const MountModel& model, co
 
 }  // namespace
 
-std::vector<Screened> screenCandidates(const OpenLoopProblem& problem, const MountModel& model,
+std::vector<Screened> screenCandidates(const OpenLoopProblem& problem, LawDifferences& laws, const MountModel& model,
                                        const WhiteVector& residual, const std::vector<Candidate>& candidates,
                                        double price) {
+    laws.keepOnly(model);
     std::vector<Screened> results(candidates.size());
     runParallel(candidates.size(), [&](std::size_t i) {
         results[i].candidate = i;
         results[i].gain = -1;
         for (const auto& start : candidates[i].starts) {
-            auto screened = screenStart(problem, model, residual, candidates[i], start);
+            auto screened = screenStart(problem, laws, model, residual, candidates[i], start);
             if (!std::isfinite(screened.gain) || screened.gain <= results[i].gain) continue;
             screened.candidate = i;
             results[i] = screened;

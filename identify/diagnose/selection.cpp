@@ -46,7 +46,11 @@ class Selector {
 public:
     Selector(OpenLoopProblem& identification, OpenLoopProblem& validation, const MountModel& model,
              const SelectionOptions& options)
-        : identification_(identification), validation_(validation), base_(model), options_(options) {
+        : identification_(identification),
+          validation_(validation),
+          base_(model),
+          options_(options),
+          laws_(identification, model) {
         with_bracket_ = false;
         for (std::size_t r = 0; r < identification.runs().size(); ++r)
             with_bracket_ = with_bracket_ || identification.hasBracket(r);
@@ -119,7 +123,8 @@ private:
     std::vector<Trial> tryCandidates(const ParameterFit& present, const std::vector<Candidate>& accepted, int count) {
         const auto catalogue = makePossible(present);
         const double now = perValue(identification_, present.misfit);
-        const auto screened = screenCandidates(identification_, present.model, present.residual, catalogue, price(now));
+        const auto screened =
+            screenCandidates(identification_, laws_, present.model, present.residual, catalogue, price(now));
         const double least = 0.25 * options_.least_gain * static_cast<double>(identification_.size());
         std::vector<const Screened*> chosen;
         for (const auto& entry : screened) {
@@ -322,6 +327,7 @@ private:
     OpenLoopProblem &identification_, &validation_;
     MountModel base_;
     SelectionOptions options_;
+    LawDifferences laws_;
     bool with_bracket_ = false;
     Selection result_;
     std::vector<ParameterFit> fits_;
