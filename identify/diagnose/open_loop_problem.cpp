@@ -1,5 +1,7 @@
 #include "identify/diagnose/open_loop_problem.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <utility>
 
 #include "identify/diagnose/calibration.hpp"
@@ -7,6 +9,9 @@
 
 namespace wems::identify {
 namespace {
+
+constexpr int kVarianceSteps = 100;
+constexpr double kVarianceAccuracy = 1e-6;
 
 bool sameShapes(const std::vector<BracketMode>& a, const std::vector<BracketMode>& b) {
     if (a.size() != b.size()) return false;
@@ -49,20 +54,30 @@ bool sameLoad(const MountModel& a, const MountModel& b) {
 }  // namespace
 
 OpenLoopProblem::OpenLoopProblem(std::vector<OpenLoopRun> runs, const MountModel& model, double gain_scatter)
-    : runs_(std::move(runs)) {
-    for (const auto& run : runs_) {
-        const bool with_bracket = BracketEquation::isAvailable(run, model);
-        brackets_.push_back(with_bracket ? std::make_unique<BracketEquation>(run) : nullptr);
-        whitenings_.push_back(std::make_unique<Whitening>(run, model, with_bracket));
+    : runs_(std::move(runs)), gain_scatter_(gain_scatter) {
+    for (const auto& run : runs_)
+        brackets_.push_back(BracketEquation::isAvailable(run, model) ? std::make_unique<BracketEquation>(run)
+                                                                     : nullptr);
+    rewhiten(model);
+}
+
+void OpenLoopProblem::rewhiten(const MountModel& model) {
+    whitenings_.resize(runs_.size());
+    // Plans of transforms may not be made by two threads at once.
+    for (std::size_t r = 0; r < runs_.size(); ++r)
+        whitenings_[r] = std::make_unique<Whitening>(runs_[r], model, brackets_[r] != nullptr);
+    offsets_.clear();
+    size_ = 0;
+    for (const auto& whitening : whitenings_) {
         offsets_.push_back(size_);
-        size_ += whitenings_.back()->size();
+        size_ += whitening->size();
     }
     reference_ = model;
-    addCalibrationColumns(gain_scatter);
+    makeCalibrationColumns();
     setReference(model);
 }
 
-void OpenLoopProblem::addCalibrationColumns(double gain_scatter) {
+void OpenLoopProblem::makeCalibrationColumns() {
     const auto channels = 6 * static_cast<Eigen::Index>(reference_.connections.size());
     calibration_ = Eigen::MatrixXf::Zero(size_, channels + 3);
     sides_ = Eigen::MatrixXf::Zero(size_, 10);
@@ -72,7 +87,7 @@ void OpenLoopProblem::addCalibrationColumns(double gain_scatter) {
             Eigen::MatrixXd mount, bracket;
             response.calc(c, mount, bracket);
             calibration_.col(c).segment(offsets_[r], whitenings_[r]->size()) =
-                static_cast<float>(gain_scatter) * whitenings_[r]->apply(mount, bracket);
+                static_cast<float>(gain_scatter_) * whitenings_[r]->apply(mount, bracket);
         }
         for (int c = 0; c < 10; ++c) {
             if (c >= 5 && !runs_[r].fixed_measured) continue;
@@ -81,9 +96,10 @@ void OpenLoopProblem::addCalibrationColumns(double gain_scatter) {
             sides_.col(c).segment(offsets_[r], whitenings_[r]->size()) = whitenings_[r]->apply(mount, bracket);
         }
     }
-    Eigen::MatrixXd normal = (calibration_.transpose() * calibration_).cast<double>();
-    normal.diagonal().array() += 1.0;
-    calibration_factor_.compute(normal);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+        (calibration_.transpose() * calibration_).cast<double>());
+    calibration_ *= solver.eigenvectors().cast<float>();
+    calibration_power_ = solver.eigenvalues().cwiseMax(0.0);
 }
 
 void OpenLoopProblem::addSideFaults(const MountModel& model, float sign, Eigen::VectorXf& values) const {
@@ -202,20 +218,49 @@ WhiteVector OpenLoopProblem::calcDifference(const MountModel& from, const MountM
     return makeVector(result.values + sides);
 }
 
-double OpenLoopProblem::product(const WhiteVector& a, const WhiteVector& b) const {
-    if (a.isZero() || b.isZero()) return 0;
-    // In blocks, so that single precision does not lose the sum.
+namespace {
+
+/// In blocks, so that single precision does not lose the sum.
+double calcDot(const Eigen::VectorXf& a, const Eigen::VectorXf& b) {
     double sum = 0;
     constexpr Eigen::Index kBlock = 4096;
-    for (Eigen::Index i = 0; i < a.values.size(); i += kBlock) {
-        const Eigen::Index count = std::min(kBlock, a.values.size() - i);
-        sum += static_cast<double>(a.values.segment(i, count).dot(b.values.segment(i, count)));
+    for (Eigen::Index i = 0; i < a.size(); i += kBlock) {
+        const Eigen::Index count = std::min(kBlock, a.size() - i);
+        sum += static_cast<double>(a.segment(i, count).dot(b.segment(i, count)));
     }
-    return sum - a.calibration.dot(calibration_factor_.solve(b.calibration));
+    return sum;
 }
 
-Eigen::VectorXd OpenLoopProblem::calcCalibration(const WhiteVector& residual) const {
-    return -calibration_factor_.solve(residual.calibration);
+}  // namespace
+
+double OpenLoopProblem::product(const WhiteVector& a, const WhiteVector& b, double variance) const {
+    if (a.isZero() || b.isZero()) return 0;
+    return calcDot(a.values, b.values) -
+           (a.calibration.array() * b.calibration.array() / (calibration_power_.array() + variance)).sum();
+}
+
+double OpenLoopProblem::calcVariance(const WhiteVector& residual) const {
+    const auto count = static_cast<double>(size_);
+    const double square = calcDot(residual.values, residual.values);
+    const Eigen::ArrayXd products = residual.calibration.array().square();
+    // From above: each step lowers it, down to the largest solution.
+    double variance = std::max(1.0, square / count);
+    for (int i = 0; i < kVarianceSteps; ++i) {
+        const double next =
+            std::max(1.0, (square - (products / (calibration_power_.array() + variance)).sum()) / count);
+        if (next > (1 - kVarianceAccuracy) * variance) break;
+        variance = next;
+    }
+    return variance;
+}
+
+double OpenLoopProblem::calcMisfit(const WhiteVector& residual) const {
+    return product(residual, residual, calcVariance(residual)) / static_cast<double>(size_);
+}
+
+Eigen::VectorXf OpenLoopProblem::removeCalibration(const WhiteVector& residual) const {
+    const Eigen::VectorXd gains = residual.calibration.array() / (calibration_power_.array() + calcVariance(residual));
+    return residual.values - calibration_ * gains.cast<float>();
 }
 
 }  // namespace wems::identify

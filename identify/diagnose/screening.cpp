@@ -18,6 +18,7 @@ Screened screenStart(const OpenLoopProblem& problem, const LawDifferences& laws,
         return OpenLoopProblem::differInLawsAlone(model, changed) ? laws.calc(model, changed)
                                                                   : problem.calcDifference(model, changed);
     };
+    const double variance = problem.calcVariance(residual);
     Screened result;
     result.values = start;
     std::vector<double> present;
@@ -26,7 +27,7 @@ Screened screenStart(const OpenLoopProblem& problem, const LawDifferences& laws,
         MountModel changed = model;
         candidate.apply(changed, {});
         const auto d = calcDifference(changed);
-        result.gain = -2 * problem.product(residual, d) - problem.product(d, d);
+        result.gain = -2 * problem.product(residual, d, variance) - problem.product(d, d, variance);
         return result;
     }
     const auto count = static_cast<Eigen::Index>(candidate.linear);
@@ -41,9 +42,10 @@ Screened screenStart(const OpenLoopProblem& problem, const LawDifferences& laws,
         MountModel changed = model;
         candidate.apply(changed, moved);
         columns.push_back(calcDifference(changed));
-        right[i] = -problem.product(columns.back(), residual);
+        right[i] = -problem.product(columns.back(), residual, variance);
         for (Eigen::Index j = 0; j <= i; ++j)
-            normal(i, j) = normal(j, i) = problem.product(columns.back(), columns[static_cast<std::size_t>(j)]);
+            normal(i, j) = normal(j, i) =
+                problem.product(columns.back(), columns[static_cast<std::size_t>(j)], variance);
     }
     if (!(normal.diagonal().minCoeff() > 0)) {
         // A knob without effect: nothing can be said about it; the others may still count.

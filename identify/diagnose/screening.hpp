@@ -15,7 +15,7 @@ namespace wems::identify {
 struct Screened {
     std::size_t candidate = 0;   ///< index in the list
     std::vector<double> values;  ///< of its knobs
-    double gain = 0;             ///< decrease of the misfit that linearisation promises
+    double gain = 0;             ///< decrease of the sum of squares that linearisation promises
 };
 
 /// The best start of each candidate, to first order in rotations, sorted by falling gain less `price` for each knob.
