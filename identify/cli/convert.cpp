@@ -16,7 +16,7 @@ struct ConvertOptions {
     bool quiet = false;
 };
 
-void run(const ConvertOptions& options) {
+void runConvert(const ConvertOptions& options) {
     WriteOptions write;
     write.digits = options.digits;
     if (!options.model.empty()) {
@@ -52,7 +52,7 @@ void addConvertCommand(CLI::App& app, int& /*exit_status*/) {
     command->add_option("--digits", options->digits, "significant digits of values")->check(CLI::Range(1, 17));
     addQuietOption(*command, options->quiet);
     command->footer("Example:\n  identify convert shaker.mat run.csv --columns map.toml");
-    command->callback([options] { run(*options); });
+    command->callback([options] { runConvert(*options); });
 }
 
 }  // namespace wems::identify::cli
