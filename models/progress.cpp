@@ -6,7 +6,7 @@
 
 namespace wems {
 namespace {
-constexpr std::chrono::milliseconds silence{1000}, interval{200};
+constexpr std::chrono::milliseconds silent_at_first{1000}, between_lines{200};
 }
 
 Progress::Progress(bool wanted)
@@ -19,7 +19,7 @@ Progress::~Progress() {
 bool Progress::due() const {
     if (!wanted_) return false;
     const auto now = std::chrono::steady_clock::now();
-    return now - start_ > silence && now - last_ > interval;
+    return now - start_ > silent_at_first && now - last_ > between_lines;
 }
 
 void Progress::show(double fraction, const std::string& what) {
