@@ -40,6 +40,10 @@ using wems::Table;
 
 /// `digits` significant digits, no trailing noise; `-` for a value that is not finite.
 std::string formatNumber(double value, int digits = 5);
+/// Of a share: `1.23 %`
+std::string formatPercent(double share);
+/// JSON has no infinity and no NaN: null.
+nlohmann::json numberOrNull(double value);
 
 /// Writes `result` as JSON if --json was given (to a temporary file renamed at the end, or to standard output for `-`).
 void writeJson(const nlohmann::json& result, const CommonOptions& options);

@@ -23,34 +23,30 @@ struct CompareOptions {
     double limit = 0;
 };
 
-nlohmann::json formatValue(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-}
-
 nlohmann::json formatBands(const std::vector<BandError>& bands) {
     auto result = nlohmann::json::array();
     for (const BandError& band : bands)
-        result.push_back({{"from", band.from}, {"to", band.to}, {"error", formatValue(band.error)}});
+        result.push_back({{"from", band.from}, {"to", band.to}, {"error", numberOrNull(band.error)}});
     return result;
 }
 
 void addRegimes(nlohmann::json& entry, const std::optional<double>& free, const std::optional<double>& contact) {
-    if (free) entry["free"] = formatValue(*free);
-    if (contact) entry["contact"] = formatValue(*contact);
+    if (free) entry["free"] = numberOrNull(*free);
+    if (contact) entry["contact"] = numberOrNull(*contact);
 }
 
 nlohmann::json formatComparison(const Comparison& comparison) {
     auto channels = nlohmann::json::array();
     for (const ChannelError& channel : comparison.channels) {
         nlohmann::json entry = {{"name", channel.name},
-                                {"error", formatValue(channel.error)},
+                                {"error", numberOrNull(channel.error)},
                                 {"rms", channel.rms},
                                 {"share", channel.share},
                                 {"bands", formatBands(channel.bands)}};
         addRegimes(entry, channel.free, channel.contact);
         channels.push_back(entry);
     }
-    nlohmann::json result = {{"error", formatValue(comparison.error)},
+    nlohmann::json result = {{"error", numberOrNull(comparison.error)},
                              {"channels", channels},
                              {"bands", formatBands(comparison.bands)},
                              {"time", {comparison.from, comparison.to}},

@@ -15,7 +15,7 @@ struct ConvertOptions {
     int digits = 9;
 };
 
-void run(const ConvertOptions& options) {
+void runConvert(const ConvertOptions& options) {
     WriteOptions write;
     write.digits = options.digits;
     if (!options.model.empty()) {
@@ -49,7 +49,7 @@ void addConvertCommand(CLI::App& app, int& /*exit_status*/) {
     command->add_option("--model", options->model, "mount model: markers in .trc stand where its connections are");
     command->add_option("--digits", options->digits, "significant digits of values")->check(CLI::Range(1, 17));
     command->footer("Example:\n  identify convert shaker.mat run.csv --columns map.toml");
-    command->callback([options] { run(*options); });
+    command->callback([options] { runConvert(*options); });
 }
 
 }  // namespace wems::identify::cli

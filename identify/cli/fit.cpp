@@ -12,7 +12,9 @@
 #include "identify/cli/long_recordings.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
+#include "identify/motion/parallel.hpp"
 #include "models/error.hpp"
+#include "models/format_number.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
@@ -72,17 +74,11 @@ Table makeParameterTable(const FitResult& fit) {
     return table;
 }
 
-std::string join(const std::vector<std::string>& names) {
-    std::string text;
-    for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-    return text;
-}
-
 Table makeOpenTable(const FitResult& fit) {
     Table table({"not identifiable one by one", "what is known", "value", "95 % from", "to", "would be told by"});
     for (const auto& group : fit.not_identifiable) {
         const bool known = !group.combination.empty();
-        table.addRow({join(group.names),
+        table.addRow({joinWords(group.names),
                       known                  ? group.combination
                       : group.reason.empty() ? "nothing"
                                              : group.reason,
@@ -130,11 +126,12 @@ void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const
 
 DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& model, std::vector<Recording>& recordings) {
     DeviceRuns result;
-    for (Recording& recording : recordings) {
-        keepOnly(options.use, recording);
-        result.runs.push_back(estimateMotion(recording, model));
-        for (const auto& warning : recording.warnings) result.notes.push_back(recording.file + ": " + warning);
-        for (const auto& note : result.runs.back().notes) result.notes.push_back(recording.file + ": " + note);
+    for (Recording& recording : recordings) keepOnly(options.use, recording);
+    result.runs.resize(recordings.size());
+    runParallel(recordings.size(), [&](std::size_t r) { result.runs[r] = estimateMotion(recordings[r], model); });
+    for (std::size_t r = 0; r < recordings.size(); ++r) {
+        for (const auto& warning : recordings[r].warnings) result.notes.push_back(recordings[r].file + ": " + warning);
+        for (const auto& note : result.runs[r].notes) result.notes.push_back(recordings[r].file + ": " + note);
     }
     return result;
 }
@@ -145,6 +142,7 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, Device
     std::vector<std::string>& notes = device.notes;
     const FitResult fit = fitMount(runs, model, options.fit);
     notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
+    watch.restart();  // the fit has steps of its own
     timing.insert(timing.end(), fit.timing.begin(), fit.timing.end());
     const auto validation =
         validateModel(fit.model, readDeviceRecordings(options.runs.validation, options.common.column_map, fit.model));
@@ -198,7 +196,7 @@ bool asksForElement(const CLI::App& command) {
     return command.count("--mass") > 0 || command.count("--axis") > 0;
 }
 
-void run(FitCommandOptions options, const CLI::App& command) {
+void runFit(FitCommandOptions options, const CLI::App& command) {
     Timing timing;
     Stopwatch watch(timing);
     options.campaign = resolveRuns(options.runs, options.common);
@@ -274,7 +272,7 @@ void addFitCommand(CLI::App& app, int& /*exit_status*/) {
         "  identify fit axial.csv oblique.csv --model believed.toml -o fitted.toml --json fit.json\n"
         "  identify fit --test campaign.toml -o fitted.toml\n"
         "  identify fit drop.csv --columns map.toml --model element.toml --mass 0.639 --from 0.40 --to 0.55");
-    command->callback([options, command] { run(*options, *command); });
+    command->callback([options, command] { runFit(*options, *command); });
 }
 
 }  // namespace wems::identify::cli

@@ -23,10 +23,6 @@ struct InspectOptions {
     bool strict = false;
 };
 
-nlohmann::json numberOrNull(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-}
-
 nlohmann::json makeChannelJson(const ChannelStatistics& channel) {
     return {{"name", channel.name},
             {"unit", channel.unit},
@@ -117,7 +113,7 @@ Inspection inspectOne(const InspectOptions& options, const std::string& file, co
     return inspect(recording, model);
 }
 
-void run(const InspectOptions& options, int& exit_status) {
+void runInspect(const InspectOptions& options, int& exit_status) {
     std::optional<MountModel> model;
     if (!options.model.empty()) model = readDeviceModel(options.model, options.common.geometry);
     const std::optional<ColumnMap> map =
@@ -149,7 +145,7 @@ void addInspectCommand(CLI::App& app, int& exit_status) {
     addGeometryOption(*command, options->common);
     addMemoryOption(*command, options->memory);
     command->footer("Example:\n  identify inspect run1.csv run2.mat --model mount.toml --report runs.html");
-    command->callback([options, &exit_status] { run(*options, exit_status); });
+    command->callback([options, &exit_status] { runInspect(*options, exit_status); });
 }
 
 }  // namespace wems::identify::cli

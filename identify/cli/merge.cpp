@@ -13,13 +13,13 @@
 namespace wems::identify::cli {
 namespace {
 
-struct Options {
+struct MergeCommandOptions {
     std::vector<std::string> inputs, maps;
     std::string output;
     MergeOptions merge;
 };
 
-void run(const Options& options) {
+void runMerge(const MergeCommandOptions& options) {
     if (!options.maps.empty() && options.maps.size() != 1 && options.maps.size() != options.inputs.size())
         throw InputError({"", 0, "--columns"}, "there are " + std::to_string(options.maps.size()) + " column maps",
                          "one for all recordings, or one for each");
@@ -43,7 +43,7 @@ void run(const Options& options) {
 
 void addMergeCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("merge", "Put recordings of one run by several systems together");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<MergeCommandOptions>();
     command->add_option("recordings", options->inputs, "recordings; the clock of the first one counts")
         ->required()
         ->expected(2, 64);
@@ -53,7 +53,7 @@ void addMergeCommand(CLI::App& app, int& /*exit_status*/) {
     command->add_option("--rate", options->merge.rate, "Hz; absent: the lowest of all")->check(CLI::PositiveNumber);
     command->add_option("--columns", options->maps, "column map for all recordings, or one for each")->expected(1, 64);
     command->footer("Example:\n  identify merge shaker.csv cameras.trc -o run.csv --common fixed.1.z");
-    command->callback([options] { run(*options); });
+    command->callback([options] { runMerge(*options); });
 }
 
 }  // namespace wems::identify::cli

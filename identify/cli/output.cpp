@@ -25,6 +25,14 @@ std::string formatNumber(double value, int digits) {
     return buffer;
 }
 
+std::string formatPercent(double share) {
+    return std::isfinite(share) ? formatNumber(100 * share, 3) + " %" : std::string("-");
+}
+
+nlohmann::json numberOrNull(double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
 void writeJson(const nlohmann::json& result, const CommonOptions& options) {
     if (options.json_file.empty()) return;
     const std::string text = result.dump(2) + "\n";

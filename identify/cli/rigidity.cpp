@@ -14,15 +14,11 @@
 namespace wems::identify::cli {
 namespace {
 
-struct Options {
+struct RigidityOptions {
     std::string recording, model;
     double limit = 0;
     CommonOptions common;
 };
-
-nlohmann::json numberOrNull(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
-}
 
 /// The check over time and swept frequency, some 1000 samples that keep its shape.
 nlohmann::json makeHistory(const Rigidity& rigidity, const RigidityCheck& check) {
@@ -94,7 +90,7 @@ std::vector<std::string> makeSentences(const Rigidity& rigidity, const Recording
     return lines;
 }
 
-void run(const Options& options, bool limited, int& exit_status) {
+void runRigidity(const RigidityOptions& options, bool limited, int& exit_status) {
     const MountModel model = readDeviceModel(options.model, options.common.geometry);
     const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
     const Rigidity rigidity = checkRigidity(recording, model);
@@ -117,7 +113,7 @@ void run(const Options& options, bool limited, int& exit_status) {
 
 void addRigidityCommand(CLI::App& app, int& exit_status) {
     CLI::App* command = app.add_subcommand("rigidity", "check that each part of a recording moves as a rigid body");
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<RigidityOptions>();
     command->add_option("recording", options->recording, "recording (CSV, MATLAB, UFF 58, OpenSim)")->required();
     command->add_option("--model", options->model, "mount model (TOML)")->required();
     CLI::Option* limit =
@@ -126,7 +122,7 @@ void addRigidityCommand(CLI::App& app, int& exit_status) {
     addCommonOptions(*command, options->common);
     addGeometryOption(*command, options->common);
     command->footer("Example:\n  identify rigidity run.csv --model smallsat.toml --limit 0.5 --json rigidity.json");
-    command->callback([options, limit, &exit_status] { run(*options, limit->count() > 0, exit_status); });
+    command->callback([options, limit, &exit_status] { runRigidity(*options, limit->count() > 0, exit_status); });
 }
 
 }  // namespace wems::identify::cli

@@ -10,10 +10,20 @@
 #include "identify/fit/run_equations.hpp"
 #include "identify/fit/slow_offset.hpp"
 #include "identify/fit/stopwatch.hpp"
+#include "identify/motion/parallel.hpp"
 #include "models/error.hpp"
 
 namespace wems::identify {
 namespace {
+
+std::vector<RunEquations> makeAllEquations(const std::vector<RunMotion>& runs, const MountModel& model,
+                                           const FitOptions& options) {
+    std::vector<std::optional<RunEquations>> pieces(runs.size());
+    runParallel(runs.size(), [&](std::size_t r) { pieces[r] = makeRunEquations(runs[r], model, options); });
+    std::vector<RunEquations> equations;
+    for (auto& piece : pieces) equations.push_back(std::move(*piece));
+    return equations;
+}
 
 /// Takes out stops whose stiffness is not significantly different from zero: they were not reached.
 ParameterUncertainty removeSpuriousStops(Solver& solver) {
@@ -77,9 +87,7 @@ std::vector<RunMotion> recoverSlowMotion(std::vector<RunMotion> runs, const Moun
     double change = 0;
     int pass = 0;
     do {
-        std::vector<RunEquations> equations;
-        for (const RunMotion& run : runs) equations.push_back(makeRunEquations(run, model, options));
-        NormalEquations normal_equations(std::move(equations));
+        NormalEquations normal_equations(makeAllEquations(runs, model, options));
         Solver solver(runs, normal_equations, parameters, model);
         solver.run();
         change = updateSlowMotion(runs, before ? extrapolate(solver.model(), *before, parameters) : solver.model());
@@ -107,10 +115,8 @@ FitResult fitMount(const std::vector<RunMotion>& measured, const MountModel& mod
     }
     const std::vector<RunMotion>& runs = recovered.empty() ? measured : recovered;
     const std::vector<Parameter> parameters = makeParameters(model, options.free_body);
-    std::vector<RunEquations> equations;
-    for (const RunMotion& run : runs) equations.push_back(makeRunEquations(run, model, options));
+    NormalEquations normal_equations(makeAllEquations(runs, model, options));
     watch.lap("equations of motion");
-    NormalEquations normal_equations(std::move(equations));
     Solver solver(runs, normal_equations, parameters, model);
     solver.run();
     watch.lap("least squares");

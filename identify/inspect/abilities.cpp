@@ -7,6 +7,7 @@
 #include "identify/motion/channel_set.hpp"
 #include "identify/motion/rigid_fit.hpp"
 #include "models/error.hpp"
+#include "models/format_number.hpp"
 
 namespace wems::identify {
 namespace {
@@ -32,12 +33,6 @@ const char* describe(Derivative derivative) {
     return "force";
 }
 
-std::string join(const std::vector<std::string>& items) {
-    std::string text;
-    for (const auto& item : items) text += (text.empty() ? "" : ", ") + item;
-    return text;
-}
-
 void describePart(const Recording& recording, const MountModel* model, Part part, std::vector<std::string>& lines) {
     const std::string name = part == Part::mobile ? "mobile part" : "fixed part";
     for (const auto derivative : {Derivative::displacement, Derivative::velocity, Derivative::acceleration}) {
@@ -54,7 +49,7 @@ void describePart(const Recording& recording, const MountModel* model, Part part
                             ? ", which determine all six motions" +
                                   (fit.redundancy() > 0 ? " with " + std::to_string(fit.redundancy()) + " to spare"
                                                         : std::string(", none to spare: no fault of a channel shows"))
-                            : ", which leave open its " + join(fit.undetermined());
+                            : ", which leave open its " + joinWords(fit.undetermined());
             } catch (const InputError& error) {
                 line += ": " + error.problem();
             }
@@ -85,8 +80,9 @@ void describeStops(const MountModel& model, const std::vector<bool>& is_reached,
             }
         }
     }
-    if (!reached.empty()) lines.push_back("stops reached with the model's clearances: " + join(reached));
-    if (!missed.empty()) lines.push_back("stops not reached, so that nothing can be said of them: " + join(missed));
+    if (!reached.empty()) lines.push_back("stops reached with the model's clearances: " + joinWords(reached));
+    if (!missed.empty())
+        lines.push_back("stops not reached, so that nothing can be said of them: " + joinWords(missed));
 }
 
 }  // namespace

@@ -1,15 +1,13 @@
 #include "models/recording/opensim_reader.hpp"
 
 #include <algorithm>
-#include <array>
 
+#include "models/axis_names.hpp"
 #include "models/error.hpp"
 #include "models/recording/line_cursor.hpp"
 
 namespace wems {
 namespace {
-
-constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
 
 std::string_view trimLine(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r");
@@ -67,7 +65,7 @@ void readLabels(std::string_view line, const std::string& type, RecordingTable& 
             continue;
         }
         for (std::size_t k = 0; k < numbers; ++k)
-            table.columns.push_back({label + "." + (vector ? kAxes.at(k) : std::to_string(k + 1)), {}, {}});
+            table.columns.push_back({label + "." + (vector ? kAxes[k] : std::to_string(k + 1)), {}, {}});
     }
     if (table.columns.size() < 2)
         throw InputError({table.file, table.header_row, {}}, "there are no column labels after endheader",
