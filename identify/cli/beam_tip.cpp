@@ -53,7 +53,7 @@ void runBeamTip(const BeamTipOptions& options) {
     for (const auto& [name, spring] : {std::pair("complete", &tip.complete), std::pair("truncated", &tip.truncated)})
         table.addRow({name, formatNumber(spring->cubic, 6), formatNumber(spring->stiffness, 6),
                       formatNumber(spring->damping, 4), formatNumber(100 * spring->residual_fraction, 3) + " %"});
-    if (options.common.json_file != "-") std::cout << table.format();
+    if (options.common.printsText()) std::cout << table.format(outputStyle());
     writeJson({{"complete", makeJson(tip.complete, "-", "s")}, {"truncated", makeJson(tip.truncated, "N/m", "N s/m")}},
               options.common);
     if (options.common.report_file.empty()) return;

@@ -17,8 +17,14 @@ struct CommonOptions {
     std::string report_file;  ///< --report FILE.html
     std::string column_map;   ///< --columns map.toml
     std::string geometry;     ///< --geometry layout.toml
+    bool quiet = false;       ///< --quiet
+
+    /// Whether the result is wanted as text: not quiet, and standard output not taken by --json -.
+    bool printsText() const { return !quiet && json_file != "-"; }
 };
 void addCommonOptions(CLI::App& command, CommonOptions& options);
+/// --quiet, which addCommonOptions() adds too
+void addQuietOption(CLI::App& command, bool& quiet);
 /// --geometry, of commands that know a model
 void addGeometryOption(CLI::App& command, CommonOptions& options);
 
@@ -37,6 +43,9 @@ void addSingleAxisCommand(CLI::App& app, int& exit_status);
 void addBeamTipCommand(CLI::App& app, int& exit_status);
 
 using wems::Table;
+
+/// How text on standard output is to look.
+TextStyle outputStyle();
 
 /// `digits` significant digits, no trailing noise; `-` for a value that is not finite.
 std::string formatNumber(double value, int digits = 5);

@@ -10,6 +10,7 @@
 #include "identify/cli/recordings.hpp"
 #include "models/error.hpp"
 #include "models/mount_model.hpp"
+#include "models/progress.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
@@ -154,9 +155,12 @@ void addCompareCommand(CLI::App& app, int& exit_status) {
         ->check(CLI::PositiveNumber);
     command->footer("Example:\n  identify compare measured.csv simulated.csv --model mount.toml --limit 0.05");
     command->callback([options, command, &exit_status] {
+        std::optional<Progress> progress(std::in_place, !options->common.quiet);
+        progress->step("reading and comparing");
         const Comparison comparison = runComparison(*options);
-        if (options->common.json_file != "-") {
-            std::cout << describeError(comparison) << "\n\n" << makeTable(comparison).format();
+        progress.reset();
+        if (options->common.printsText()) {
+            std::cout << describeError(comparison) << "\n\n" << makeTable(comparison).format(outputStyle());
             for (const auto& note : comparison.notes) std::cout << "note: " << note << "\n";
         }
         writeJson(formatComparison(comparison), options->common);

@@ -60,7 +60,7 @@ nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis) {
             {"validated", diagnosis.validated}};
 }
 
-std::string formatDiagnosis(const Diagnosis& diagnosis) {
+std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
     std::string text;
     for (const auto& note : diagnosis.notes) text += "Motion: " + note + "\n";
     if (!diagnosis.validated)
@@ -78,7 +78,7 @@ std::string formatDiagnosis(const Diagnosis& diagnosis) {
             table.addRow({trial.candidate.describe(), formatNumber(trial.identification, 4),
                           formatNumber(trial.validation, 4), static_cast<int>(i) == round.taken ? "taken" : ""});
         }
-        if (!table.empty()) text += table.format();
+        if (!table.empty()) text += table.format(style);
     }
     Table parameters({"cause", "probability", "gain dB", "parameter", "value", "95 % interval", "unit"});
     for (const auto& cause : diagnosis.causes) {
@@ -92,7 +92,7 @@ std::string formatDiagnosis(const Diagnosis& diagnosis) {
             first = false;
         }
     }
-    if (!parameters.empty()) text += "\n" + parameters.format();
+    if (!parameters.empty()) text += "\n" + parameters.format(style);
     for (const auto& cause : diagnosis.causes)
         for (const auto& rival : cause.rivals) {
             text += "Tie: " + cause.cause + " cannot be told from " + rival.cause + " at " +
@@ -106,8 +106,11 @@ std::string formatDiagnosis(const Diagnosis& diagnosis) {
                    formatPercent(floor.identification)});
     errors.addRow({"validation", formatPercent(before.validation), formatPercent(after.validation),
                    formatPercent(floor.validation)});
-    text += "\n" + errors.format();
-    text += "\nVerdict: " + formatVerdict(diagnosis.verdict) + "\n";
+    text += "\n" + errors.format(style);
+    const bool unexplained = diagnosis.verdict == Diagnosis::Verdict::unexplained;
+    text +=
+        "\nVerdict: " + paint(formatVerdict(diagnosis.verdict), unexplained ? Colour::yellow : Colour::green, style) +
+        "\n";
     if (!diagnosis.unexplained_where.empty())
         text += "What is left sits at: " + joinWords(diagnosis.unexplained_where, " ") + "\n";
     return text;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "identify/cli/command.hpp"
+#include "identify/cli/device_scene.hpp"
 #include "models/format_number.hpp"
 #include "models/report/html_report.hpp"
 
@@ -101,12 +102,14 @@ void addSpectrum(const Diagnosis& diagnosis, HtmlReport& page) {
 
 }  // namespace
 
-void writeDiagnosisReport(const Diagnosis& diagnosis, const std::string& title, const std::string& file) {
+void writeDiagnosisReport(const Diagnosis& diagnosis, const std::string& title, const MotionScene& motion,
+                          const std::string& file) {
     HtmlReport page("Diagnosis of " + title);
     page.addText("Verdict: " + formatVerdict(diagnosis.verdict));
     if (!diagnosis.unexplained_where.empty())
         page.addText("What is left sits at: " + joinWords(diagnosis.unexplained_where, " "));
     addErrors(diagnosis, page);
+    addMotion(page, motion);
     addCauses(diagnosis, page);
     addSpectrum(diagnosis, page);
     addRounds(diagnosis, page);

@@ -9,12 +9,14 @@
 #include "identify/cli/campaign.hpp"
 #include "identify/cli/command.hpp"
 #include "identify/cli/component_fit.hpp"
+#include "identify/cli/device_scene.hpp"
 #include "identify/cli/long_recordings.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
 #include "identify/motion/parallel.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
+#include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
@@ -109,8 +111,8 @@ void addDisplacementPlots(HtmlReport& page, const std::vector<RunMotion>& runs) 
     }
 }
 
-void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const std::vector<std::string>& notes,
-                 const std::string& file) {
+void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const std::vector<Recording>& recordings,
+                 const std::vector<std::string>& notes, const std::string& file) {
     HtmlReport page("Identified mount: " + fit.model.name);
     page.addText(describeResidual(fit));
     const Table parameters = makeParameterTable(fit), open = makeOpenTable(fit);
@@ -120,6 +122,7 @@ void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const
         page.addTable(open.header(), open.rows());
     }
     for (const auto& note : notes) page.addText(note);
+    if (!recordings.empty()) addMotion(page, makeDeviceScene(runs, recordings, fit.model));
     addDisplacementPlots(page, runs);
     page.write(file);
 }
@@ -128,6 +131,8 @@ DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& mode
     DeviceRuns result;
     for (Recording& recording : recordings) keepOnly(options.use, recording);
     result.runs.resize(recordings.size());
+    Progress progress(!options.common.quiet);
+    progress.step("motion of both parts");
     runParallel(recordings.size(), [&](std::size_t r) { result.runs[r] = estimateMotion(recordings[r], model); });
     for (std::size_t r = 0; r < recordings.size(); ++r) {
         for (const auto& warning : recordings[r].warnings) result.notes.push_back(recordings[r].file + ": " + warning);
@@ -136,22 +141,28 @@ DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& mode
     return result;
 }
 
-void fitDevice(const FitCommandOptions& options, const MountModel& model, DeviceRuns device, Timing timing) {
+/// @param recordings of the runs; none where the runs are blocks of long ones
+void fitDevice(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings,
+               DeviceRuns device, Timing timing) {
     Stopwatch watch(timing);
     const std::vector<RunMotion>& runs = device.runs;
     std::vector<std::string>& notes = device.notes;
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
+    progress->step("equations of motion, parameters and intervals");
     const FitResult fit = fitMount(runs, model, options.fit);
     notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
     watch.restart();  // the fit has steps of its own
     timing.insert(timing.end(), fit.timing.begin(), fit.timing.end());
+    if (!options.runs.validation.empty()) progress->step("free simulations of the validation runs");
     const auto validation =
         validateModel(fit.model, readDeviceRecordings(options.runs.validation, options.common.column_map, fit.model));
     watch.lap("validation");
+    progress.reset();
     if (!options.output.empty()) writeMountModel(fit.model, options.output);
-    if (options.common.json_file != "-") {
-        std::cout << makeParameterTable(fit).format();
+    if (options.common.printsText()) {
+        std::cout << makeParameterTable(fit).format(outputStyle());
         const Table open = makeOpenTable(fit);
-        if (!open.rows().empty()) std::cout << "\n" << open.format();
+        if (!open.rows().empty()) std::cout << "\n" << open.format(outputStyle());
         std::cout << "\n" << describeResidual(fit) << "\n";
         for (const ValidationError& run : validation)
             std::cout << "validation: " << options.campaign->describe(run.file) << ": error "
@@ -166,7 +177,7 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, Device
     for (const ValidationError& run : validation)
         result["validation"].push_back({{"run", run.file}, {"error", run.error}});
     writeJson(result, options.common);
-    if (!options.common.report_file.empty()) writeReport(fit, runs, notes, options.common.report_file);
+    if (!options.common.report_file.empty()) writeReport(fit, runs, recordings, notes, options.common.report_file);
 }
 
 void fitElement(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings) {
@@ -208,23 +219,26 @@ void runFit(FitCommandOptions options, const CLI::App& command) {
         DeviceRuns device = chooseBlocks(options.runs.recordings, map ? &*map : nullptr, model, options.fit,
                                          options.use, *size, options.memory);
         watch.lap("reading and choice of blocks");
-        fitDevice(options, model, std::move(device), std::move(timing));
+        fitDevice(options, model, {}, std::move(device), std::move(timing));
         return;
     }
     std::vector<Recording> recordings;
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
     for (const auto& file : options.runs.recordings) {
+        progress->step("reading " + file);
         recordings.push_back(readRecording(file, map ? &*map : nullptr));
         if (isComponentTest(recordings.back()) != isComponentTest(recordings.front()))
             throw InputError({file, 0, ""}, "a component test and a recording of a whole device",
                              "recordings of one kind in one fit");
     }
     watch.lap("reading");
+    progress.reset();
     if (!isComponentTest(recordings.front()) && !asksForElement(command)) {
         for (Recording& recording : recordings) checkConnections(recording, model);
         watch.lap("checks");
         DeviceRuns device = estimateRuns(options, model, recordings);
         watch.lap("kinematics");
-        fitDevice(options, model, std::move(device), std::move(timing));
+        fitDevice(options, model, recordings, std::move(device), std::move(timing));
         return;
     }
     ComponentOptions& component = options.component;

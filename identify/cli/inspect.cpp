@@ -9,6 +9,7 @@
 #include "identify/cli/long_recordings.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/inspect/inspection.hpp"
+#include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_stream.hpp"
 
@@ -109,7 +110,10 @@ Inspection inspectOne(const InspectOptions& options, const std::string& file, co
     const auto size = estimateSize({file}, map);
     if (size && bytes_a_value * size->samples * size->channels > 1e6 * options.memory.megabytes)
         return inspectStream(file, map, model, recording);
+    Progress progress(!options.common.quiet);
+    progress.step("reading " + file);
     recording = readRecording(file, map);
+    progress.step("looking at " + file);
     return inspect(recording, model);
 }
 
@@ -124,7 +128,7 @@ void runInspect(const InspectOptions& options, int& exit_status) {
         Recording recording;
         const Inspection inspection =
             inspectOne(options, file, map ? &*map : nullptr, model ? &*model : nullptr, recording);
-        if (options.common.json_file != "-") std::cout << formatInspection(inspection, recording);
+        if (options.common.printsText()) std::cout << formatInspection(inspection, recording, outputStyle());
         results.push_back(makeJson(inspection, recording));
         if (!options.common.report_file.empty()) report.add(inspection, recording);
         if (options.strict && !inspection.findings.empty()) exit_status = 1;

@@ -149,10 +149,11 @@ void addSpectra(const Inspection& inspection, HtmlReport& page) {
 
 }  // namespace
 
-std::string formatInspection(const Inspection& inspection, const Recording& recording) {
+std::string formatInspection(const Inspection& inspection, const Recording& recording, TextStyle style) {
     std::ostringstream text;
-    text << describeRecording(inspection, recording) << "\n\n" << makeTable(inspection).format() << "\n";
-    for (const auto& line : makeSentences(inspection, recording)) text << line << "\n";
+    text << describeRecording(inspection, recording) << "\n\n" << makeTable(inspection).format(style) << "\n";
+    for (const auto& line : makeSentences(inspection, recording))
+        text << (line.rfind("Suspicious", 0) == 0 ? paint(line, Colour::yellow, style) : line) << "\n";
     text << "\n";
     return text.str();
 }

@@ -17,6 +17,7 @@ struct MergeCommandOptions {
     std::vector<std::string> inputs, maps;
     std::string output;
     MergeOptions merge;
+    bool quiet = false;
 };
 
 void runMerge(const MergeCommandOptions& options) {
@@ -32,8 +33,9 @@ void runMerge(const MergeCommandOptions& options) {
     const Recording merged = merge(recordings, options.merge);
     for (const Recording& recording : recordings)
         for (const auto& warning : recording.warnings) std::cerr << recording.file << ": " << warning << "\n";
-    for (const auto& note : merged.warnings) std::cout << note << "\n";
     for (const auto& note : writeRecording(merged, options.output)) std::cerr << "identify: " << note << "\n";
+    if (options.quiet) return;
+    for (const auto& note : merged.warnings) std::cout << note << "\n";
     std::cout << options.output << ": " << merged.channels.size() << " channels, " << merged.sampleCount()
               << " samples at " << formatNumber(1 / merged.sampleInterval(), 6) << " Hz from "
               << formatNumber(merged.time.front(), 6) << " s\n";
@@ -52,6 +54,7 @@ void addMergeCommand(CLI::App& app, int& /*exit_status*/) {
                         "channel that all have, such as load.fz: aligns them by correlation; absent: stamps are right");
     command->add_option("--rate", options->merge.rate, "Hz; absent: the lowest of all")->check(CLI::PositiveNumber);
     command->add_option("--columns", options->maps, "column map for all recordings, or one for each")->expected(1, 64);
+    addQuietOption(*command, options->quiet);
     command->footer("Example:\n  identify merge shaker.csv cameras.trc -o run.csv --common fixed.1.z");
     command->callback([options] { runMerge(*options); });
 }

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/cli/rigidity_report.hpp"
 #include "models/mount_model.hpp"
+#include "models/progress.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
@@ -92,17 +94,22 @@ std::vector<std::string> makeSentences(const Rigidity& rigidity, const Recording
 
 void runRigidity(const RigidityOptions& options, bool limited, int& exit_status) {
     const MountModel model = readDeviceModel(options.model, options.common.geometry);
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
+    progress->step("reading " + options.recording);
     const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
+    progress->step("checks");
     const Rigidity rigidity = checkRigidity(recording, model);
+    progress.reset();
     const Table table = makeTable(rigidity);
     const std::vector<std::string> sentences = makeSentences(rigidity, recording);
-    if (options.common.json_file != "-") {
-        std::cout << table.format();
-        for (const std::string& line : sentences) std::cout << line << "\n";
+    if (options.common.printsText()) {
+        std::cout << table.format(outputStyle());
+        for (const std::string& line : sentences)
+            std::cout << (line.rfind("Suspect", 0) == 0 ? paint(line, Colour::yellow, outputStyle()) : line) << "\n";
     }
     writeJson(makeJson(rigidity, recording), options.common);
     if (!options.common.report_file.empty())
-        writeRigidityReport(rigidity, table, sentences, recording.file, options.common.report_file);
+        writeRigidityReport(rigidity, table, sentences, recording, model, options.common.report_file);
     if (!limited) return;
     for (const RigidityCheck& check : rigidity.checks) {
         if (check.max_percent > options.limit) exit_status = 1;

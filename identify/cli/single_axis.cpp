@@ -113,8 +113,8 @@ void runSingleAxis(SingleAxisCommandOptions options) {
     SingleAxisResult result = identifySingleAxis(recording, model, method);
     result.notes.insert(result.notes.begin(), recording.warnings.begin(), recording.warnings.end());
     if (!options.output.empty()) writeMountModel(result.model, options.output);
-    if (options.common.json_file != "-") {
-        std::cout << makeTable(result).format() << describeSingularValues(result) << "\n"
+    if (options.common.printsText()) {
+        std::cout << makeTable(result).format(outputStyle()) << describeSingularValues(result) << "\n"
                   << describeResidual(result) << "\n";
         for (const auto& note : result.notes) std::cout << "note: " << note << "\n";
     }

@@ -23,6 +23,12 @@ std::complex<double> calcModalResponse(const BracketMode& mode, double w) {
     return {real / square, -imaginary / square};
 }
 
+Eigen::Matrix<double, 6, 1> calcShape(const BracketMode& mode) {
+    Eigen::Matrix<double, 6, 1> shape;
+    shape << mode.translation, mode.rotation;
+    return shape;
+}
+
 BracketEquation::BracketEquation(const OpenLoopRun& run)
     : run_(&run), fourier_(run.sampleCount() + static_cast<int>(kPadding / run.interval)) {}
 
@@ -37,8 +43,7 @@ Eigen::MatrixXd BracketEquation::calcResponse(const MountModel& model,
     const double step = kTwoPi / (fourier_.size() * run_->interval);
     for (std::size_t j = 0; j < model.bracket.size(); ++j) {
         const auto& mode = model.bracket[j];
-        Eigen::Matrix<double, 6, 1> shape;
-        shape << mode.translation, mode.rotation;
+        const auto shape = calcShape(mode);
         for (Eigen::Index k = 0; k < spectra.cols(); ++k) {
             const auto response = calcModalResponse(mode, step * static_cast<double>(k));
             motion.col(k) += shape * (response * spectra(static_cast<Eigen::Index>(j), k));
@@ -89,24 +94,15 @@ Eigen::MatrixXcd BracketEquation::calcForceSpectra(const MountModel& model) cons
     return fourier_.forward(calcModalForces(model, demand) + calcLoadForces(model));
 }
 
-Eigen::MatrixXd BracketEquation::calcModesDifference(const MountModel& from, const MountModel& to,
-                                                     const Eigen::MatrixXcd& force_spectra) const {
-    Eigen::MatrixXd difference = Eigen::MatrixXd::Zero(6, run_->sampleCount());
+Eigen::VectorXd BracketEquation::calcModeDifference(const BracketMode& from, const BracketMode& to,
+                                                    const Eigen::Ref<const Eigen::VectorXcd>& force_spectrum) const {
     const double step = kTwoPi / (fourier_.size() * run_->interval);
-    for (std::size_t j = 0; j < to.bracket.size(); ++j) {
-        const auto &before = from.bracket[j], &after = to.bracket[j];
-        if (before.frequency == after.frequency && before.damping_ratio == after.damping_ratio) continue;
-        Eigen::MatrixXcd coordinate(1, force_spectra.cols());
-        for (Eigen::Index k = 0; k < force_spectra.cols(); ++k) {
-            const double w = step * static_cast<double>(k);
-            coordinate(0, k) = (calcModalResponse(after, w) - calcModalResponse(before, w)) *
-                               force_spectra(static_cast<Eigen::Index>(j), k);
-        }
-        Eigen::Matrix<double, 6, 1> shape;
-        shape << after.translation, after.rotation;
-        difference += shape * fourier_.inverse(coordinate, run_->sampleCount());
+    Eigen::MatrixXcd coordinate(1, force_spectrum.size());
+    for (Eigen::Index k = 0; k < force_spectrum.size(); ++k) {
+        const double w = step * static_cast<double>(k);
+        coordinate(0, k) = (calcModalResponse(to, w) - calcModalResponse(from, w)) * force_spectrum[k];
     }
-    return difference;
+    return fourier_.inverse(coordinate, run_->sampleCount()).transpose();
 }
 
 Eigen::MatrixXd BracketEquation::calcBodyDifference(const MountModel& from, const MountModel& to) const {

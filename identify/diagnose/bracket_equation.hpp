@@ -35,10 +35,10 @@ public:
 
     /// Spectra of all modal forces of a model: modes x bins.
     Eigen::MatrixXcd calcForceSpectra(const MountModel& model) const;
-    /// Change of the prediction where modes alone differ, in frequency or damping ratio.
-    /// @param force_spectra those of `from`
-    Eigen::MatrixXd calcModesDifference(const MountModel& from, const MountModel& to,
-                                        const Eigen::MatrixXcd& force_spectra) const;
+    /// Change of a mode's coordinate where its frequency or damping ratio change.
+    /// @param force_spectrum of its modal force
+    Eigen::VectorXd calcModeDifference(const BracketMode& from, const BracketMode& to,
+                                       const Eigen::Ref<const Eigen::VectorXcd>& force_spectrum) const;
     /// Change of the prediction where the mobile body alone differs.
     Eigen::MatrixXd calcBodyDifference(const MountModel& from, const MountModel& to) const;
 
@@ -49,6 +49,9 @@ private:
     const OpenLoopRun* run_;
     Fourier fourier_;
 };
+
+/// Translation above rotation.
+Eigen::Matrix<double, 6, 1> calcShape(const BracketMode& mode);
 
 /// Frequency response of a mode, kg^1/2 m per modal force, at angular frequency w.
 std::complex<double> calcModalResponse(const BracketMode& mode, double w);

@@ -228,6 +228,8 @@ private:
             SelectionOptions options;
             options.only_place = place.name;
             const auto rounds = std::move(pass_.selection.rounds);
+            pass_.fit_problem.rewhiten(model_);
+            pass_.judge_problem.rewhiten(model_);
             pass_.selection = selectCauses(pass_.fit_problem, pass_.judge_problem, model_, options);
             pass_.selection.rounds.insert(pass_.selection.rounds.begin(), rounds.begin(), rounds.end());
             measureAfter();

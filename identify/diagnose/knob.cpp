@@ -8,6 +8,9 @@
 namespace wems::identify {
 namespace {
 
+constexpr double kLongestDelay = 0.02;  // s
+constexpr double kLargestGain = 2.0;    // of a side of sensors or the load
+
 bool endsWith(const std::string& name, const std::string& ending) {
     return name.size() >= ending.size() && name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
 }
@@ -38,6 +41,8 @@ double Knob::scale(const MountModel& model) const {
 double Knob::lowest(const MountModel& model) const {
     if (isFactor()) return 0.0;
     const auto& name = names.front();
+    if (endsWith(name, ".delay")) return -kLongestDelay;
+    if (endsWith(name, ".gain")) return 1 / kLargestGain;
     if (isSigned(name)) return -std::numeric_limits<double>::infinity();
     if (endsWith(name, ".clearance")) return 1e-5;
     if (endsWith(name, ".time_constant")) return 2e-4;
@@ -52,6 +57,8 @@ double Knob::highest(const MountModel&) const {
     if (endsWith(names.front(), ".loss_factor")) return 0.9 * largestLossFactor();
     if (endsWith(names.front(), ".time_constant")) return 1.0;
     if (endsWith(names.front(), ".damping_ratio")) return 0.5;
+    if (endsWith(names.front(), ".delay")) return kLongestDelay;
+    if (endsWith(names.front(), ".gain")) return kLargestGain;
     return std::numeric_limits<double>::infinity();
 }
 

@@ -23,13 +23,13 @@ Vector6c valuesAt(const Eigen::Ref<const Eigen::VectorXf>& values, Eigen::Index 
 }
 
 /// Mean share (0 … 1) of what exceeds the noise that lies in the span of the given directions.
-double calcShare(const OpenLoopProblem& problem, const WhiteVector& residual,
+double calcShare(const OpenLoopProblem& problem, const Eigen::VectorXf& residual,
                  const Eigen::Matrix<double, 6, Eigen::Dynamic>& directions) {
     double inside = 0, total = 0;
     const double noise = 2.0 * static_cast<double>(directions.cols());
     for (std::size_t r = 0; r < problem.runs().size(); ++r) {
         const auto& whitening = problem.whitening(r);
-        const auto values = residual.values.segment(problem.offset(r), whitening.mountSize());
+        const auto values = residual.segment(problem.offset(r), whitening.mountSize());
         for (Eigen::Index b = 0; b < whitening.binCount(); ++b) {
             const Eigen::Matrix<std::complex<double>, 6, Eigen::Dynamic> span =
                 whitening.mountFactor(b) * directions.cast<std::complex<double>>();
@@ -40,18 +40,17 @@ double calcShare(const OpenLoopProblem& problem, const WhiteVector& residual,
             total += y.squaredNorm() - 12;
         }
     }
-    return inside / std::max(total, 1e-300);
+    return total > 0 ? std::clamp(inside / total, 0.0, 1.0) : 0.0;
 }
 
 /// Excess over noise of the two equations.
-std::pair<double, double> calcExcess(const OpenLoopProblem& problem, const WhiteVector& residual) {
+std::pair<double, double> calcExcess(const OpenLoopProblem& problem, const Eigen::VectorXf& residual) {
     std::pair<double, double> excess{0, 0};
     for (std::size_t r = 0; r < problem.runs().size(); ++r) {
         const auto size = problem.whitening(r).mountSize();
-        excess.first += residual.values.segment(problem.offset(r), size).squaredNorm() - static_cast<float>(size);
+        excess.first += residual.segment(problem.offset(r), size).squaredNorm() - static_cast<float>(size);
         if (problem.hasBracket(r))
-            excess.second +=
-                residual.values.segment(problem.offset(r) + size, size).squaredNorm() - static_cast<float>(size);
+            excess.second += residual.segment(problem.offset(r) + size, size).squaredNorm() - static_cast<float>(size);
     }
     return excess;
 }
@@ -60,12 +59,12 @@ std::pair<double, double> calcExcess(const OpenLoopProblem& problem, const White
 
 std::vector<PlaceShare> calcPlaceShares(const OpenLoopProblem& problem, const MountModel& model,
                                         const WhiteVector& residual) {
+    const Eigen::VectorXf values = problem.removeCalibration(residual);
     std::vector<PlaceShare> places;
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (std::size_t a = 0; a < 3; ++a) {
             const auto direction = calcAxisDirection(model, static_cast<int>(i), static_cast<int>(a));
-            places.push_back(
-                {i, a, model.connections[i].name + "." + kAxes[a], calcShare(problem, residual, direction)});
+            places.push_back({i, a, model.connections[i].name + "." + kAxes[a], calcShare(problem, values, direction)});
         }
     std::stable_sort(places.begin(), places.end(),
                      [](const PlaceShare& a, const PlaceShare& b) { return a.share > b.share; });
@@ -75,10 +74,11 @@ std::vector<PlaceShare> calcPlaceShares(const OpenLoopProblem& problem, const Mo
 double calcMountExcess(const OpenLoopProblem& problem, const WhiteVector& residual) {
     Eigen::Index size = 0;
     for (std::size_t r = 0; r < problem.runs().size(); ++r) size += problem.whitening(r).mountSize();
-    return calcExcess(problem, residual).first / static_cast<double>(size);
+    return calcExcess(problem, problem.removeCalibration(residual)).first / static_cast<double>(size);
 }
 
 std::vector<double> calcMisfitByFrequency(const OpenLoopProblem& problem, const WhiteVector& residual) {
+    const Eigen::VectorXf values = problem.removeCalibration(residual);
     std::vector<double> sum, count;
     for (std::size_t r = 0; r < problem.runs().size(); ++r) {
         const auto& whitening = problem.whitening(r);
@@ -89,8 +89,7 @@ std::vector<double> calcMisfitByFrequency(const OpenLoopProblem& problem, const 
                     sum.resize(band + 1, 0.0);
                     count.resize(band + 1, 0.0);
                 }
-                sum[band] +=
-                    static_cast<double>(residual.values.segment(problem.offset(r) + part + 12 * b, 12).squaredNorm());
+                sum[band] += static_cast<double>(values.segment(problem.offset(r) + part + 12 * b, 12).squaredNorm());
                 count[band] += 12;
             }
     }
@@ -132,7 +131,8 @@ std::vector<std::string> findRegimes(const OpenLoopProblem& problem, const Mount
 std::vector<std::string> locateResidual(const OpenLoopProblem& problem, const MountModel& model,
                                         const WhiteVector& residual) {
     std::vector<std::string> places;
-    const auto [mount, bracket] = calcExcess(problem, residual);
+    const Eigen::VectorXf values = problem.removeCalibration(residual);
+    const auto [mount, bracket] = calcExcess(problem, values);
     if (bracket > 3 * mount) return {"bracket"};
     const auto shares = calcPlaceShares(problem, model, residual);
     if (shares.front().share > kEnough) {
@@ -144,7 +144,7 @@ std::vector<std::string> locateResidual(const OpenLoopProblem& problem, const Mo
         for (std::size_t i = 0; i < model.connections.size(); ++i) {
             Eigen::Matrix<double, 6, Eigen::Dynamic> all(6, 3);
             for (int a = 0; a < 3; ++a) all.col(a) = calcAxisDirection(model, static_cast<int>(i), a);
-            const double share = calcShare(problem, residual, all);
+            const double share = calcShare(problem, values, all);
             if (share > best_share) {
                 best_share = share;
                 best = i;

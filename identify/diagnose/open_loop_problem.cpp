@@ -1,5 +1,7 @@
 #include "identify/diagnose/open_loop_problem.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <utility>
 
 #include "identify/diagnose/calibration.hpp"
@@ -7,6 +9,9 @@
 
 namespace wems::identify {
 namespace {
+
+constexpr int kVarianceSteps = 100;
+constexpr double kVarianceAccuracy = 1e-6;
 
 bool sameShapes(const std::vector<BracketMode>& a, const std::vector<BracketMode>& b) {
     if (a.size() != b.size()) return false;
@@ -36,6 +41,11 @@ Eigen::Matrix<float, 5, 1> calcSideFault(const MountModel& model, const std::str
     return fault;
 }
 
+bool sameSides(const MountModel& a, const MountModel& b) {
+    return calcSideFault(a, "mobile") == calcSideFault(b, "mobile") &&
+           calcSideFault(a, "fixed") == calcSideFault(b, "fixed");
+}
+
 bool sameLoad(const MountModel& a, const MountModel& b) {
     if (a.load.has_value() != b.load.has_value()) return false;
     return !a.load || a.load->gain_over_frequency == b.load->gain_over_frequency;
@@ -44,20 +54,30 @@ bool sameLoad(const MountModel& a, const MountModel& b) {
 }  // namespace
 
 OpenLoopProblem::OpenLoopProblem(std::vector<OpenLoopRun> runs, const MountModel& model, double gain_scatter)
-    : runs_(std::move(runs)) {
-    for (const auto& run : runs_) {
-        const bool with_bracket = BracketEquation::isAvailable(run, model);
-        brackets_.push_back(with_bracket ? std::make_unique<BracketEquation>(run) : nullptr);
-        whitenings_.push_back(std::make_unique<Whitening>(run, model, with_bracket));
+    : runs_(std::move(runs)), gain_scatter_(gain_scatter) {
+    for (const auto& run : runs_)
+        brackets_.push_back(BracketEquation::isAvailable(run, model) ? std::make_unique<BracketEquation>(run)
+                                                                     : nullptr);
+    rewhiten(model);
+}
+
+void OpenLoopProblem::rewhiten(const MountModel& model) {
+    whitenings_.resize(runs_.size());
+    // Plans of transforms may not be made by two threads at once.
+    for (std::size_t r = 0; r < runs_.size(); ++r)
+        whitenings_[r] = std::make_unique<Whitening>(runs_[r], model, brackets_[r] != nullptr);
+    offsets_.clear();
+    size_ = 0;
+    for (const auto& whitening : whitenings_) {
         offsets_.push_back(size_);
-        size_ += whitenings_.back()->size();
+        size_ += whitening->size();
     }
     reference_ = model;
-    addCalibrationColumns(gain_scatter);
+    makeCalibrationColumns();
     setReference(model);
 }
 
-void OpenLoopProblem::addCalibrationColumns(double gain_scatter) {
+void OpenLoopProblem::makeCalibrationColumns() {
     const auto channels = 6 * static_cast<Eigen::Index>(reference_.connections.size());
     calibration_ = Eigen::MatrixXf::Zero(size_, channels + 3);
     sides_ = Eigen::MatrixXf::Zero(size_, 10);
@@ -67,7 +87,7 @@ void OpenLoopProblem::addCalibrationColumns(double gain_scatter) {
             Eigen::MatrixXd mount, bracket;
             response.calc(c, mount, bracket);
             calibration_.col(c).segment(offsets_[r], whitenings_[r]->size()) =
-                static_cast<float>(gain_scatter) * whitenings_[r]->apply(mount, bracket);
+                static_cast<float>(gain_scatter_) * whitenings_[r]->apply(mount, bracket);
         }
         for (int c = 0; c < 10; ++c) {
             if (c >= 5 && !runs_[r].fixed_measured) continue;
@@ -76,9 +96,10 @@ void OpenLoopProblem::addCalibrationColumns(double gain_scatter) {
             sides_.col(c).segment(offsets_[r], whitenings_[r]->size()) = whitenings_[r]->apply(mount, bracket);
         }
     }
-    Eigen::MatrixXd normal = (calibration_.transpose() * calibration_).cast<double>();
-    normal.diagonal().array() += 1.0;
-    calibration_factor_.compute(normal);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+        (calibration_.transpose() * calibration_).cast<double>());
+    calibration_ *= solver.eigenvectors().cast<float>();
+    calibration_power_ = solver.eigenvalues().cwiseMax(0.0);
 }
 
 void OpenLoopProblem::addSideFaults(const MountModel& model, float sign, Eigen::VectorXf& values) const {
@@ -111,7 +132,7 @@ Eigen::VectorXf OpenLoopProblem::calcValues(const MountModel& model) const {
 
 void OpenLoopProblem::setReference(const MountModel& model) {
     reference_ = model;
-    reference_values_ = calcValues(model);
+    reference_residual_ = makeVector(calcValues(model));
     reference_forces_.assign(runs_.size(), {});
     for (std::size_t r = 0; r < runs_.size(); ++r)
         if (brackets_[r]) reference_forces_[r] = brackets_[r]->calcForceSpectra(model);
@@ -123,47 +144,123 @@ Eigen::MatrixXd OpenLoopProblem::calcBracketDifference(std::size_t run, const Mo
     const bool same_modes = sameModes(from.bracket, to.bracket);
     if (!brackets_[run] || (same_body && same_load && same_modes)) return {};
     if (same_modes && same_load) return brackets_[run]->calcBodyDifference(from, to);
-    if (same_body && same_load && sameShapes(from.bracket, to.bracket) && sameBody(from.body, reference_.body) &&
-        sameLoad(from, reference_))
-        return brackets_[run]->calcModesDifference(from, to, reference_forces_[run]);
     return brackets_[run]->calcPrediction(to) - brackets_[run]->calcPrediction(from);
 }
 
 WhiteVector OpenLoopProblem::calcResidual(const MountModel& model) const {
-    auto difference = calcDifference(reference_, model);
-    if (difference.isZero()) return makeVector(reference_values_);
-    return makeVector(reference_values_ + difference.values);
+    auto result = calcDifference(reference_, model);
+    if (result.isZero()) return reference_residual_;
+    result.values += reference_residual_.values;
+    result.calibration += reference_residual_.calibration;
+    return result;
+}
+
+bool OpenLoopProblem::differInLawsAlone(const MountModel& from, const MountModel& to) {
+    return sameBody(from.body, to.body) && sameLoad(from, to) && sameModes(from.bracket, to.bracket) &&
+           sameSides(from, to);
+}
+
+bool OpenLoopProblem::differInModesAlone(const MountModel& from, const MountModel& to) const {
+    return !sameModes(from.bracket, to.bracket) && sameShapes(from.bracket, to.bracket) &&
+           sameBody(from.body, to.body) && sameLoad(from, to) && sameBody(from.body, reference_.body) &&
+           sameLoad(from, reference_);
+}
+
+void OpenLoopProblem::addModesDifference(std::size_t run, const MountModel& from, const MountModel& to,
+                                         Eigen::VectorXf& values) const {
+    const Whitening& whitening = *whitenings_[run];
+    for (std::size_t j = 0; j < to.bracket.size(); ++j) {
+        const auto &before = from.bracket[j], &after = to.bracket[j];
+        if (before.frequency == after.frequency && before.damping_ratio == after.damping_ratio) continue;
+        const Eigen::VectorXd coordinate = brackets_[run]->calcModeDifference(
+            before, after, reference_forces_[run].row(static_cast<Eigen::Index>(j)).transpose());
+        addAlong(whitening.whitenDirection(Equation::bracket, calcShape(after)), whitening.calcSpectrum(coordinate),
+                 values.segment(offsets_[run] + whitening.mountSize(), whitening.mountSize()));
+    }
 }
 
 WhiteVector OpenLoopProblem::calcDifference(const MountModel& from, const MountModel& to) const {
-    Eigen::VectorXf values;
+    WhiteVector result;
+    const auto touch = [&] {
+        if (!result.isZero()) return;
+        result.values = Eigen::VectorXf::Zero(size_);
+        result.calibration = Eigen::VectorXd::Zero(calibration_.cols());
+    };
+    const auto addCalibration = [&](Eigen::Index first, Eigen::Index count) {
+        result.calibration +=
+            (calibration_.middleRows(first, count).transpose() * result.values.segment(first, count)).cast<double>();
+    };
+    const bool modes_alone = differInModesAlone(from, to);
     for (std::size_t r = 0; r < runs_.size(); ++r) {
+        const Eigen::Index first = offsets_[r], size = whitenings_[r]->mountSize();
         const Eigen::MatrixXd mount = calcMountDifference(runs_[r], from, to);
-        const Eigen::MatrixXd bracket = calcBracketDifference(r, from, to);
-        if (mount.size() == 0 && bracket.size() == 0) continue;
-        if (values.size() == 0) values = Eigen::VectorXf::Zero(size_);
-        values.segment(offsets_[r], whitenings_[r]->size()) = whitenings_[r]->apply(mount, bracket);
+        if (mount.size() > 0) {
+            touch();
+            whitenings_[r]->apply(Equation::mount, mount, result.values.segment(first, size));
+            addCalibration(first, size);
+        }
+        if (!brackets_[r]) continue;
+        const Eigen::MatrixXd bracket = modes_alone ? Eigen::MatrixXd() : calcBracketDifference(r, from, to);
+        if (bracket.size() == 0 && !modes_alone) continue;
+        touch();
+        if (modes_alone) {
+            addModesDifference(r, from, to, result.values);
+        } else {
+            whitenings_[r]->apply(Equation::bracket, bracket, result.values.segment(first + size, size));
+        }
+        addCalibration(first + size, size);
     }
-    addSideFaults(to, 1.0F, values);
-    addSideFaults(from, -1.0F, values);
-    if (values.size() == 0) return {};
-    return makeVector(std::move(values));
+    Eigen::VectorXf sides;
+    addSideFaults(to, 1.0F, sides);
+    addSideFaults(from, -1.0F, sides);
+    if (sides.size() == 0) return result;
+    if (result.isZero()) return makeVector(std::move(sides));
+    return makeVector(result.values + sides);
 }
 
-double OpenLoopProblem::product(const WhiteVector& a, const WhiteVector& b) const {
-    if (a.isZero() || b.isZero()) return 0;
-    // In blocks, so that single precision does not lose the sum.
+namespace {
+
+/// In blocks, so that single precision does not lose the sum.
+double calcDot(const Eigen::VectorXf& a, const Eigen::VectorXf& b) {
     double sum = 0;
     constexpr Eigen::Index kBlock = 4096;
-    for (Eigen::Index i = 0; i < a.values.size(); i += kBlock) {
-        const Eigen::Index count = std::min(kBlock, a.values.size() - i);
-        sum += static_cast<double>(a.values.segment(i, count).dot(b.values.segment(i, count)));
+    for (Eigen::Index i = 0; i < a.size(); i += kBlock) {
+        const Eigen::Index count = std::min(kBlock, a.size() - i);
+        sum += static_cast<double>(a.segment(i, count).dot(b.segment(i, count)));
     }
-    return sum - a.calibration.dot(calibration_factor_.solve(b.calibration));
+    return sum;
 }
 
-Eigen::VectorXd OpenLoopProblem::calcCalibration(const WhiteVector& residual) const {
-    return -calibration_factor_.solve(residual.calibration);
+}  // namespace
+
+double OpenLoopProblem::product(const WhiteVector& a, const WhiteVector& b, double variance) const {
+    if (a.isZero() || b.isZero()) return 0;
+    return calcDot(a.values, b.values) -
+           (a.calibration.array() * b.calibration.array() / (calibration_power_.array() + variance)).sum();
+}
+
+double OpenLoopProblem::calcVariance(const WhiteVector& residual) const {
+    const auto count = static_cast<double>(size_);
+    const double square = calcDot(residual.values, residual.values);
+    const Eigen::ArrayXd products = residual.calibration.array().square();
+    // From above: each step lowers it, down to the largest solution.
+    double variance = std::max(1.0, square / count);
+    for (int i = 0; i < kVarianceSteps; ++i) {
+        const double next =
+            std::max(1.0, (square - (products / (calibration_power_.array() + variance)).sum()) / count);
+        if (next > (1 - kVarianceAccuracy) * variance) break;
+        variance = next;
+    }
+    return variance;
+}
+
+double OpenLoopProblem::calcMisfit(const WhiteVector& residual) const {
+    return product(residual, residual, calcVariance(residual)) / static_cast<double>(size_);
+}
+
+Eigen::VectorXf OpenLoopProblem::removeCalibration(const WhiteVector& residual) const {
+    const Eigen::VectorXd gains = residual.calibration.array() / (calibration_power_.array() + calcVariance(residual));
+    return residual.values - calibration_ * gains.cast<float>();
 }
 
 }  // namespace wems::identify

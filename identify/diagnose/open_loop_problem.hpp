@@ -6,14 +6,16 @@
 /// deviation. To first order it adds N g to the residual; integrating over g replaces the inner product of two
 /// residuals or columns by
 ///
-///     <a, b> = aᵀ b − aᵀ N (NᵀN + 1)⁻¹ Nᵀ b      (N scaled by the standard deviations)
+///     <a, b> = aᵀ b − aᵀ N (NᵀN + λ)⁻¹ Nᵀ b      (N scaled by the standard deviations)
 ///
-/// so that nothing is named that such scatter could make.
+/// so that nothing is named that such scatter could make. λ is the variance of what a model leaves, in units of the
+/// noise: 1 for a perfect model. The equations are homogeneous, but for the stops, so that gains of zero would solve
+/// them: judged by noise alone, a residual hundreds of times larger would be cheapest to explain by that. λ, never
+/// below 1, is the largest solution of <y, y> / size = λ.
 ///
 /// Faults that all displacement channels of a side share (`mobile`, `fixed` in the model's sensors) act to first order.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <memory>
 #include <vector>
@@ -43,6 +45,8 @@ public:
     /// First value of a run.
     Eigen::Index offset(std::size_t run) const { return offsets_[run]; }
 
+    /// Takes the noise and the calibration columns that belong to another model, which becomes the reference.
+    void rewhiten(const MountModel& model);
     /// The residual of the reference is kept; others are computed from what differs.
     void setReference(const MountModel& model);
     const MountModel& reference() const { return reference_; }
@@ -50,18 +54,30 @@ public:
     WhiteVector calcResidual(const MountModel& model) const;
     /// Residual of `to` minus that of `from`; values empty if nothing that is measured here differs.
     WhiteVector calcDifference(const MountModel& from, const MountModel& to) const;
+    /// True if body, bracket, load and sensors are the same.
+    static bool differInLawsAlone(const MountModel& from, const MountModel& to);
     /// A vector of whitened values with its calibration products.
     WhiteVector makeVector(Eigen::VectorXf values) const;
 
-    double product(const WhiteVector& a, const WhiteVector& b) const;
-    /// Maximum-posterior calibration errors that a residual implies (in standard deviations).
-    Eigen::VectorXd calcCalibration(const WhiteVector& residual) const;
+    /// N, in standard deviations, turned so that its columns are orthogonal.
+    const Eigen::MatrixXf& calibrationColumns() const { return calibration_; }
+    /// λ of a residual.
+    double calcVariance(const WhiteVector& residual) const;
+    double product(const WhiteVector& a, const WhiteVector& b, double variance) const;
+    /// <y, y> with its own λ, for each value: about 1 for a perfect model.
+    double calcMisfit(const WhiteVector& residual) const;
+    /// A residual without the calibration errors that it makes likely.
+    Eigen::VectorXf removeCalibration(const WhiteVector& residual) const;
 
 private:
-    void addCalibrationColumns(double gain_scatter);
+    void makeCalibrationColumns();
     Eigen::VectorXf calcValues(const MountModel& model) const;
     /// Change of the bracket's residual of a run; empty if there is none.
     Eigen::MatrixXd calcBracketDifference(std::size_t run, const MountModel& from, const MountModel& to) const;
+    /// True if what differs are frequencies or damping ratios of modes whose forces are known from the reference.
+    bool differInModesAlone(const MountModel& from, const MountModel& to) const;
+    void addModesDifference(std::size_t run, const MountModel& from, const MountModel& to,
+                            Eigen::VectorXf& values) const;
     void addSideFaults(const MountModel& model, float sign, Eigen::VectorXf& values) const;
 
     std::vector<OpenLoopRun> runs_;
@@ -69,12 +85,13 @@ private:
     std::vector<std::unique_ptr<BracketEquation>> brackets_;
     std::vector<Eigen::Index> offsets_;
     Eigen::Index size_ = 0;
+    double gain_scatter_;
     MountModel reference_;
-    Eigen::VectorXf reference_values_;
+    WhiteVector reference_residual_;
     std::vector<Eigen::MatrixXcd> reference_forces_;  ///< spectra of the modal forces, one for each run
     Eigen::MatrixXf calibration_;
-    Eigen::LLT<Eigen::MatrixXd> calibration_factor_;
-    Eigen::MatrixXf sides_;  ///< mobile, then fixed side: gain, delay, rotation; to first order
+    Eigen::VectorXd calibration_power_;  ///< squared norms of its columns
+    Eigen::MatrixXf sides_;              ///< mobile, then fixed side: gain, delay, rotation; to first order
 };
 
 }  // namespace wems::identify

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kStep = 1e-3;      // of a knob's scale, for finite differences
 constexpr double kRelative = 1e-5;  // of the misfit: smaller gains end the fit
-constexpr double kAbsolute = 0.05;
+constexpr double kAbsolute = 0.05;  // of the sum of squares
 
 struct Linearised {
     Eigen::MatrixXd normal;
@@ -19,6 +19,7 @@ struct Linearised {
 Linearised linearise(const OpenLoopProblem& problem, const ParameterFit& at, const std::vector<Knob>& knobs) {
     const auto count = static_cast<Eigen::Index>(knobs.size());
     Linearised result{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count), Eigen::VectorXd(count)};
+    const double variance = problem.calcVariance(at.residual);
     std::vector<WhiteVector> columns;
     for (Eigen::Index i = 0; i < count; ++i) {
         const auto& knob = knobs[static_cast<std::size_t>(i)];
@@ -35,9 +36,10 @@ Linearised linearise(const OpenLoopProblem& problem, const ParameterFit& at, con
             column.values *= static_cast<float>(factor);
             column.calibration *= factor;
         }
-        result.gradient[i] = problem.product(column, at.residual);
+        result.gradient[i] = problem.product(column, at.residual, variance);
         for (Eigen::Index j = 0; j <= i; ++j)
-            result.normal(i, j) = result.normal(j, i) = problem.product(column, columns[static_cast<std::size_t>(j)]);
+            result.normal(i, j) = result.normal(j, i) =
+                problem.product(column, columns[static_cast<std::size_t>(j)], variance);
     }
     return result;
 }
@@ -50,10 +52,11 @@ ParameterFit fitParameters(const OpenLoopProblem& problem, const MountModel& sta
     fit.model = start;
     for (const auto& knob : knobs) fit.values.push_back(knob.get(start));
     fit.residual = problem.calcResidual(start);
-    fit.misfit = problem.product(fit.residual, fit.residual);
+    fit.misfit = problem.calcMisfit(fit.residual);
     const auto count = static_cast<Eigen::Index>(knobs.size());
     fit.covariance = Eigen::MatrixXd::Zero(count, count);
     if (count == 0) return fit;
+    const double absolute = kAbsolute / static_cast<double>(problem.size());
     double damping = 1e-6;
     Linearised linear = linearise(problem, fit, knobs);
     for (fit.iterations = 0; fit.iterations < max_iterations; ++fit.iterations) {
@@ -70,11 +73,11 @@ ParameterFit fitParameters(const OpenLoopProblem& problem, const MountModel& sta
             knob.set(next.model, next.values.back());
         }
         next.residual = problem.calcResidual(next.model);
-        next.misfit = problem.product(next.residual, next.residual);
+        next.misfit = problem.calcMisfit(next.residual);
         const double gain = fit.misfit - next.misfit;
         if (!(gain > 0)) {
             damping = std::max(damping * 30, 1e-3);
-            if (damping > 1e4 || gain > -kAbsolute) break;
+            if (damping > 1e4 || gain > -absolute) break;
             continue;
         }
         fit.model = next.model;
@@ -83,7 +86,7 @@ ParameterFit fitParameters(const OpenLoopProblem& problem, const MountModel& sta
         fit.misfit = next.misfit;
         damping = std::max(damping * 0.1, 1e-9);
         linear = linearise(problem, fit, knobs);
-        if (gain < kAbsolute + kRelative * fit.misfit) break;
+        if (gain < absolute + kRelative * fit.misfit) break;
     }
     Eigen::MatrixXd normal = linear.normal;
     normal.diagonal().array() += 1e-14 * normal.diagonal().maxCoeff() + 1e-300;

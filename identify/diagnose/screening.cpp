@@ -12,8 +12,13 @@ namespace {
 /// A trial value is not trusted further than this along its way where the effect is not linear.
 constexpr double kFarthest = 1.5;
 
-Screened screenStart(const OpenLoopProblem& problem, const MountModel& model, const WhiteVector& residual,
-                     const Candidate& candidate, const std::vector<double>& start) {
+Screened screenStart(const OpenLoopProblem& problem, const LawDifferences& laws, const MountModel& model,
+                     const WhiteVector& residual, const Candidate& candidate, const std::vector<double>& start) {
+    const auto calcDifference = [&](const MountModel& changed) {
+        return OpenLoopProblem::differInLawsAlone(model, changed) ? laws.calc(model, changed)
+                                                                  : problem.calcDifference(model, changed);
+    };
+    const double variance = problem.calcVariance(residual);
     Screened result;
     result.values = start;
     std::vector<double> present;
@@ -21,8 +26,8 @@ Screened screenStart(const OpenLoopProblem& problem, const MountModel& model, co
     if (candidate.knobs.empty()) {
         MountModel changed = model;
         candidate.apply(changed, {});
-        const auto d = problem.calcDifference(model, changed);
-        result.gain = -2 * problem.product(residual, d) - problem.product(d, d);
+        const auto d = calcDifference(changed);
+        result.gain = -2 * problem.product(residual, d, variance) - problem.product(d, d, variance);
         return result;
     }
     const auto count = static_cast<Eigen::Index>(candidate.linear);
@@ -36,10 +41,11 @@ Screened screenStart(const OpenLoopProblem& problem, const MountModel& model, co
         moved[static_cast<std::size_t>(i)] = start[static_cast<std::size_t>(i)];
         MountModel changed = model;
         candidate.apply(changed, moved);
-        columns.push_back(problem.calcDifference(model, changed));
-        right[i] = -problem.product(columns.back(), residual);
+        columns.push_back(calcDifference(changed));
+        right[i] = -problem.product(columns.back(), residual, variance);
         for (Eigen::Index j = 0; j <= i; ++j)
-            normal(i, j) = normal(j, i) = problem.product(columns.back(), columns[static_cast<std::size_t>(j)]);
+            normal(i, j) = normal(j, i) =
+                problem.product(columns.back(), columns[static_cast<std::size_t>(j)], variance);
     }
     if (!(normal.diagonal().minCoeff() > 0)) {
         // A knob without effect: nothing can be said about it; the others may still count.
@@ -61,15 +67,16 @@ Screened screenStart(const OpenLoopProblem& problem, const MountModel& model, co
 
 }  // namespace
 
-std::vector<Screened> screenCandidates(const OpenLoopProblem& problem, const MountModel& model,
+std::vector<Screened> screenCandidates(const OpenLoopProblem& problem, LawDifferences& laws, const MountModel& model,
                                        const WhiteVector& residual, const std::vector<Candidate>& candidates,
                                        double price) {
+    laws.keepOnly(model);
     std::vector<Screened> results(candidates.size());
     runParallel(candidates.size(), [&](std::size_t i) {
         results[i].candidate = i;
         results[i].gain = -1;
         for (const auto& start : candidates[i].starts) {
-            auto screened = screenStart(problem, model, residual, candidates[i], start);
+            auto screened = screenStart(problem, laws, model, residual, candidates[i], start);
             if (!std::isfinite(screened.gain) || screened.gain <= results[i].gain) continue;
             screened.candidate = i;
             results[i] = screened;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "identify/diagnose/catalogue.hpp"
+#include "identify/diagnose/law_differences.hpp"
 #include "identify/diagnose/open_loop_problem.hpp"
 
 namespace wems::identify {
@@ -14,11 +15,12 @@ namespace wems::identify {
 struct Screened {
     std::size_t candidate = 0;   ///< index in the list
     std::vector<double> values;  ///< of its knobs
-    double gain = 0;             ///< decrease of the misfit that linearisation promises
+    double gain = 0;             ///< decrease of the sum of squares that linearisation promises
 };
 
-/// The best start of each candidate, sorted by falling gain less `price` for each knob. Uses two threads.
-std::vector<Screened> screenCandidates(const OpenLoopProblem& problem, const MountModel& model,
+/// The best start of each candidate, to first order in rotations, sorted by falling gain less `price` for each knob.
+/// Uses two threads.
+std::vector<Screened> screenCandidates(const OpenLoopProblem& problem, LawDifferences& laws, const MountModel& model,
                                        const WhiteVector& residual, const std::vector<Candidate>& candidates,
                                        double price);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <set>
 
 #include "identify/diagnose/leftover.hpp"
@@ -54,28 +55,23 @@ public:
 
     Selection run() {
         setReference(base_);
+        laws_ = std::make_unique<LawDifferences>(identification_, base_);
         result_.fit = fitParameters(identification_, base_, {});
-        result_.identification_before = perValue(identification_, result_.fit.misfit);
-        result_.validation_before = validate(base_);
         forward();
         if (result_.accepted.size() > 1) exchange();
         removeIdle();
         split();
         compareWithValidation();
         judge();
-        result_.identification_after = perValue(identification_, result_.fit.misfit);
+        result_.identification_before = identification_.calcMisfit(identification_.calcResidual(base_));
+        result_.validation_before = validate(base_);
+        result_.identification_after = result_.fit.misfit;
         result_.validation_after = validate(result_.fit.model);
         return std::move(result_);
     }
 
 private:
-    static double perValue(const OpenLoopProblem& problem, double misfit) {
-        return misfit / static_cast<double>(problem.size());
-    }
-    double validate(const MountModel& model) const {
-        const auto residual = validation_.calcResidual(model);
-        return perValue(validation_, validation_.product(residual, residual));
-    }
+    double validate(const MountModel& model) const { return validation_.calcMisfit(validation_.calcResidual(model)); }
     void tell(const std::string& text) const {
         if (options_.progress) options_.progress(text);
     }
@@ -118,8 +114,9 @@ private:
     /// Screens the catalogue of `model` and fits the best jointly with `accepted`.
     std::vector<Trial> tryCandidates(const ParameterFit& present, const std::vector<Candidate>& accepted, int count) {
         const auto catalogue = makePossible(present);
-        const double now = perValue(identification_, present.misfit);
-        const auto screened = screenCandidates(identification_, present.model, present.residual, catalogue, price(now));
+        const double now = present.misfit;
+        const auto screened =
+            screenCandidates(identification_, *laws_, present.model, present.residual, catalogue, price(now));
         const double least = 0.25 * options_.least_gain * static_cast<double>(identification_.size());
         std::vector<const Screened*> chosen;
         for (const auto& entry : screened) {
@@ -138,7 +135,7 @@ private:
             auto& trial = trials[i];
             trial.candidate = candidate;
             for (const auto& knob : candidate.knobs) trial.values.push_back(knob.get(new_fits[i].model));
-            trial.identification = perValue(identification_, new_fits[i].misfit);
+            trial.identification = new_fits[i].misfit;
             trial.validation = validate(new_fits[i].model);
         });
         for (auto& fit : new_fits) fits_.push_back(std::move(fit));
@@ -162,10 +159,20 @@ private:
         validation_.setReference(model);
     }
 
+    /// Accepted causes change what the noise does to the equations: they are fitted once more with their own.
+    void adopt(std::vector<Candidate> accepted, const MountModel& model) {
+        result_.accepted = std::move(accepted);
+        identification_.rewhiten(model);
+        validation_.rewhiten(model);
+        laws_ = std::make_unique<LawDifferences>(identification_, model);
+        result_.fit = fitParameters(identification_, model, collectKnobs(result_.accepted));
+        setReference(result_.fit.model);
+    }
+
     void forward() {
         for (int number = 0; number < options_.max_rounds; ++number) {
             Round round;
-            round.identification_before = perValue(identification_, result_.fit.misfit);
+            round.identification_before = result_.fit.misfit;
             round.validation_before = validate(result_.fit.model);
             tell("round " + std::to_string(number + 1) + ": screening");
             const auto place = calcPlaceShares(identification_, result_.fit.model, result_.fit.residual).front();
@@ -185,8 +192,6 @@ private:
                 if (i > 0 && !isTie(trial.identification, round.trials.front().identification)) break;
                 if (gain_identification < options_.least_gain || gain_validation < needed) continue;
                 round.taken = static_cast<int>(i);
-                result_.accepted = all;
-                result_.fit = fits_[i];
             }
             round.reason = round.taken >= 0       ? "taken"
                            : round.trials.empty() ? "no candidate promises a gain"
@@ -194,8 +199,11 @@ private:
             const bool go_on = round.taken >= 0;
             result_.rounds.push_back(round);
             if (!go_on) break;
-            tell("taken: " + result_.accepted.back().describe());
-            setReference(result_.fit.model);
+            const auto taken = static_cast<std::size_t>(round.taken);
+            tell("taken: " + round.trials[taken].candidate.describe());
+            auto accepted = result_.accepted;
+            accepted.push_back(round.trials[taken].candidate);
+            adopt(accepted, fits_[taken].model);
         }
         fits_.clear();
     }
@@ -226,13 +234,11 @@ private:
             const auto trials = tryCandidates(present, others, 4);
             setReference(result_.fit.model);
             if (trials.empty()) continue;
-            const double now = perValue(identification_, result_.fit.misfit);
+            const double now = result_.fit.misfit;
             if (trials.front().identification < now - options_.least_gain &&
                 !isTie(trials.front().identification, now) && trials.front().validation < validate(result_.fit.model)) {
                 others.push_back(trials.front().candidate);
-                result_.accepted = others;
-                result_.fit = fits_.front();
-                setReference(result_.fit.model);
+                adopt(others, fits_.front().model);
             }
         }
         fits_.clear();
@@ -245,13 +251,10 @@ private:
             others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
             const auto fit = refit(others);
             const double excess = std::max(0.0, validate(result_.fit.model) - 1);
-            if (perValue(identification_, fit.misfit) - perValue(identification_, result_.fit.misfit) <
-                    options_.least_gain ||
+            if (fit.misfit - result_.fit.misfit < options_.least_gain ||
                 validate(fit.model) - validate(result_.fit.model) <
                     std::max(options_.least_gain, options_.least_fraction * excess)) {
-                result_.accepted = others;
-                result_.fit = fit;
-                setReference(fit.model);
+                adopt(others, fit.model);
             }
         }
     }
@@ -270,10 +273,9 @@ private:
             candidate.linear = single.size();
             const auto fit = fitParameters(identification_, result_.fit.model, collectKnobs(all));
             const double gain = result_.fit.misfit - fit.misfit;
-            const double now = perValue(identification_, fit.misfit);
-            if (gain > 4 * price(now) * extra &&
-                gain > options_.least_gain * static_cast<double>(identification_.size()) &&
-                validate(fit.model) < validate(result_.fit.model)) {
+            const double now = fit.misfit;
+            if (gain * static_cast<double>(identification_.size()) > 4 * price(now) * extra &&
+                gain > options_.least_gain && validate(fit.model) < validate(result_.fit.model)) {
                 result_.accepted = all;
                 result_.fit = fit;
                 setReference(fit.model);
@@ -296,7 +298,7 @@ private:
 
     /// Rivals and the price of leaving each out.
     void judge() {
-        const double now = perValue(identification_, result_.fit.misfit);
+        const double now = result_.fit.misfit;
         for (std::size_t i = 0; i < result_.accepted.size(); ++i) {
             auto others = result_.accepted;
             others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
@@ -322,6 +324,7 @@ private:
     OpenLoopProblem &identification_, &validation_;
     MountModel base_;
     SelectionOptions options_;
+    std::unique_ptr<LawDifferences> laws_;
     bool with_bracket_ = false;
     Selection result_;
     std::vector<ParameterFit> fits_;

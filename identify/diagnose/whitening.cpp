@@ -18,10 +18,11 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Matrix6c = Eigen::Matrix<std::complex<double>, 6, 6>;
 
-constexpr double kLowest = 2.5;         // Hz: below it there is drift and little else
-constexpr double kHighest = 110.0;      // Hz: twice a sweep that ends at 50 Hz
-constexpr double kProportional = 5e-4;  // of the forces and of the motion
-constexpr double kSmoothing = 1.0;      // Hz, width of the spectra's smoothing
+constexpr double kRoot2 = 1.4142135623730951;  // real and imaginary parts share the variance
+constexpr double kLowest = 2.5;                // Hz: below it there is drift and little else
+constexpr double kHighest = 110.0;             // Hz: twice a sweep that ends at 50 Hz
+constexpr double kProportional = 5e-4;         // of the forces and of the motion
+constexpr double kSmoothing = 1.0;             // Hz, width of the spectra's smoothing
 
 Matrix6 calcRigidCovariance(const MountModel& model) {
     Matrix6 information = Matrix6::Zero();
@@ -143,8 +144,7 @@ Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_
         if (!with_bracket_) continue;
         Matrix6c T = Matrix6c::Zero();
         for (const auto& mode : model.bracket) {
-            Eigen::Matrix<double, 6, 1> shape;
-            shape << mode.translation, mode.rotation;
+            const auto shape = calcShape(mode);
             T += calcModalResponse(mode, w) * (shape * shape.transpose()).cast<std::complex<double>>();
         }
         T *= (w * w * M).cast<std::complex<double>>();
@@ -163,13 +163,38 @@ Eigen::MatrixXcd Whitening::transform(const Eigen::Ref<const Eigen::MatrixXd>& s
     return fourier_.forward(series * run_->taper.asDiagonal()).middleCols(first_, bins_);
 }
 
-void Whitening::applyPart(int part, const Eigen::Ref<const Eigen::MatrixXd>& series,
-                          Eigen::Ref<Eigen::VectorXf> out) const {
+Eigen::VectorXcf Whitening::calcSpectrum(const Eigen::Ref<const Eigen::VectorXd>& history) const {
+    return transform(history.transpose()).row(0).transpose().cast<std::complex<float>>();
+}
+
+Eigen::MatrixXcf Whitening::whitenDirection(Equation equation, const Eigen::Matrix<double, 6, 1>& direction) const {
+    const auto& factors = factors_[equation == Equation::mount ? 0 : 1];
+    Eigen::MatrixXcf result(6, bins_);
+    for (Eigen::Index b = 0; b < bins_; ++b)
+        result.col(b) = (kRoot2 * (factors[static_cast<std::size_t>(b)] * direction)).cast<std::complex<float>>();
+    return result;
+}
+
+void addAlong(const Eigen::MatrixXcf& white, const Eigen::VectorXcf& spectrum, Eigen::Ref<Eigen::VectorXf> values) {
+    for (Eigen::Index b = 0; b < spectrum.size(); ++b) {
+        // Real arithmetic: the complex product of the standard library looks for infinities.
+        const float real = spectrum[b].real(), imag = spectrum[b].imag();
+        float* out = values.data() + 12 * b;
+        for (int i = 0; i < 6; ++i) {
+            const std::complex<float> w = white(i, b);
+            out[i] += w.real() * real - w.imag() * imag;
+            out[6 + i] += w.real() * imag + w.imag() * real;
+        }
+    }
+}
+
+void Whitening::apply(Equation equation, const Eigen::Ref<const Eigen::MatrixXd>& series,
+                      Eigen::Ref<Eigen::VectorXf> out) const {
+    const auto& factors = factors_[equation == Equation::mount ? 0 : 1];
     const Eigen::MatrixXcd spectra = transform(series);
-    const double root2 = std::sqrt(2.0);  // real and imaginary parts share the variance
     for (Eigen::Index b = 0; b < bins_; ++b) {
         const Eigen::Matrix<std::complex<double>, 6, 1> white =
-            root2 * (factors_[part][static_cast<std::size_t>(b)] * spectra.col(b));
+            kRoot2 * (factors[static_cast<std::size_t>(b)] * spectra.col(b));
         for (int i = 0; i < 6; ++i) {
             out[12 * b + i] = static_cast<float>(white[i].real());
             out[12 * b + 6 + i] = static_cast<float>(white[i].imag());
@@ -180,8 +205,8 @@ void Whitening::applyPart(int part, const Eigen::Ref<const Eigen::MatrixXd>& ser
 Eigen::VectorXf Whitening::apply(const Eigen::Ref<const Eigen::MatrixXd>& mount,
                                  const Eigen::Ref<const Eigen::MatrixXd>& bracket) const {
     Eigen::VectorXf result = Eigen::VectorXf::Zero(size());
-    if (mount.size() > 0) applyPart(0, mount, result.head(mountSize()));
-    if (with_bracket_ && bracket.size() > 0) applyPart(1, bracket, result.tail(mountSize()));
+    if (mount.size() > 0) apply(Equation::mount, mount, result.head(mountSize()));
+    if (with_bracket_ && bracket.size() > 0) apply(Equation::bracket, bracket, result.tail(mountSize()));
     return result;
 }
 

@@ -28,6 +28,8 @@ Eigen::Matrix<double, 6, 6> calcStiffnessMatrix(const MountModel& model);
 /// (displacement of an axis) = directionᵀ (translation, rotation): (e_a ; r_i × e_a).
 Eigen::Matrix<double, 6, 1> calcAxisDirection(const MountModel& model, int connection, int axis);
 
+enum class Equation { mount, bracket };
+
 class Whitening {
 public:
     /// @param with_bracket whether the bracket's equation is part of it
@@ -42,6 +44,14 @@ public:
     /// Whitened values: mount first, then bracket; an empty matrix counts as zero.
     Eigen::VectorXf apply(const Eigen::Ref<const Eigen::MatrixXd>& mount,
                           const Eigen::Ref<const Eigen::MatrixXd>& bracket) const;
+    /// Of one equation alone, mountSize() values.
+    void apply(Equation equation, const Eigen::Ref<const Eigen::MatrixXd>& series,
+               Eigen::Ref<Eigen::VectorXf> out) const;
+
+    /// Spectrum of a history at the bins of the whitened values, as apply() takes it (tapered).
+    Eigen::VectorXcf calcSpectrum(const Eigen::Ref<const Eigen::VectorXd>& history) const;
+    /// What has a fixed direction, with unit spectrum, whitened: 6 x bins.
+    Eigen::MatrixXcf whitenDirection(Equation equation, const Eigen::Matrix<double, 6, 1>& direction) const;
 
     /// Factors of the mount's part (inverse Cholesky factor at a bin).
     const Eigen::Matrix<std::complex<double>, 6, 6>& mountFactor(Eigen::Index bin) const {
@@ -50,7 +60,6 @@ public:
 
 private:
     using Matrix6c = Eigen::Matrix<std::complex<double>, 6, 6>;
-    void applyPart(int part, const Eigen::Ref<const Eigen::MatrixXd>& series, Eigen::Ref<Eigen::VectorXf> out) const;
     Eigen::MatrixXcd transform(const Eigen::Ref<const Eigen::MatrixXd>& series) const;
 
     const OpenLoopRun* run_;
@@ -59,5 +68,8 @@ private:
     Eigen::Index first_ = 0, bins_ = 0;
     std::vector<Matrix6c, Eigen::aligned_allocator<Matrix6c>> factors_[2];
 };
+
+/// Adds to whitened values what has a whitened direction (6 x bins) and a spectrum.
+void addAlong(const Eigen::MatrixXcf& white, const Eigen::VectorXcf& spectrum, Eigen::Ref<Eigen::VectorXf> values);
 
 }  // namespace wems::identify
