@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "models/error.hpp"
 #include "models/toml_table.hpp"
 
 namespace wems {
@@ -18,8 +19,6 @@ public:
         campaign_.columns = locate(root.findString("columns").value_or(""));
         campaign_.geometry = locate(root.findString("geometry").value_or(""));
         root.readTables("run", [this](TomlTable& table) { readRun(table); });
-        if (campaign_.listFiles(false).empty())
-            root.fail("run", "no run has the role identify", "[[run]] with role = \"identify\"");
         return std::move(campaign_);
     }
 
@@ -66,6 +65,8 @@ std::string TestCampaign::describe(const std::string& file) const {
 TestCampaign readTestCampaign(const std::string& file) {
     TestCampaign campaign;
     readTomlFile(file, [&](TomlTable& root) { campaign = CampaignReader(file).read(root); });
+    if (campaign.listFiles(false).empty())
+        throw InputError({file, 0, "run"}, "no run has the role identify", "[[run]] with role = \"identify\"");
     return campaign;
 }
 

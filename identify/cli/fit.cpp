@@ -216,8 +216,10 @@ void runFit(FitCommandOptions options, const CLI::App& command) {
     const auto size = estimateSize(options.runs.recordings, map ? &*map : nullptr);
     if (size && !size->component && !asksForElement(command) &&
         exceedsMemory(*size, model, options.fit, options.memory)) {
+        std::optional<Progress> progress(std::in_place, !options.common.quiet);
         DeviceRuns device = chooseBlocks(options.runs.recordings, map ? &*map : nullptr, model, options.fit,
-                                         options.use, *size, options.memory);
+                                         options.use, *size, options.memory, *progress);
+        progress.reset();
         watch.lap("reading and choice of blocks");
         fitDevice(options, model, {}, std::move(device), std::move(timing));
         return;

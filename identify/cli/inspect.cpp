@@ -81,7 +81,8 @@ nlohmann::json makeJson(const Inspection& inspection, const Recording& recording
 }
 
 /// Block by block. `header` gets what stands before the data.
-Inspection inspectStream(const std::string& file, const ColumnMap* map, const MountModel* model, Recording& header) {
+Inspection inspectStream(const std::string& file, const ColumnMap* map, const MountModel* model, Recording& header,
+                         Progress& progress) {
     RecordingStream stream(file, map, block_rows);
     header = stream.header();
     Inspector inspector(model);
@@ -94,6 +95,7 @@ Inspection inspectStream(const std::string& file, const ColumnMap* map, const Mo
             if (!found) warnings.add(warning);
         }
         inspector.add(block);
+        progress.show(stream.fractionRead(), "blocks of " + file);
     }
     Inspection inspection = inspector.finish();
     header.warnings = warnings.list();
@@ -105,12 +107,12 @@ Inspection inspectStream(const std::string& file, const ColumnMap* map, const Mo
 /// @param recording its values are left out where it is long
 Inspection inspectOne(const InspectOptions& options, const std::string& file, const ColumnMap* map,
                       const MountModel* model, Recording& recording) {
+    Progress progress(!options.common.quiet);
     // Of the recording, its uniform copy, what is found in it, the rigid motions; measured.
     const double bytes_a_value = model != nullptr ? 65 : 30;
     const auto size = estimateSize({file}, map);
     if (size && bytes_a_value * size->samples * size->channels > 1e6 * options.memory.megabytes)
-        return inspectStream(file, map, model, recording);
-    Progress progress(!options.common.quiet);
+        return inspectStream(file, map, model, recording, progress);
     progress.step("reading " + file);
     recording = readRecording(file, map);
     progress.step("looking at " + file);

@@ -72,7 +72,7 @@ bool exceedsMemory(const RecordingSize& size, const MountModel& model, const Fit
 
 DeviceRuns chooseBlocks(const std::vector<std::string>& files, const ColumnMap* map, const MountModel& model,
                         const FitOptions& options, const std::string& use, const RecordingSize& size,
-                        const MemoryOption& memory) {
+                        const MemoryOption& memory, Progress& progress) {
     const double each = calcBlockMemory(size, model, options);
     const double room = memory.megabytes - fixed_memory - passing * each;
     if (room < each)
@@ -91,6 +91,7 @@ DeviceRuns chooseBlocks(const std::vector<std::string>& files, const ColumnMap* 
             for (const auto& warning : block.warnings) notes.add(file + ": " + warning);
             for (const auto& note : motion.notes) notes.add(file + ": " + note);
             choice.offer(std::move(motion));
+            progress.show(stream.fractionRead(), "blocks of " + file);
         }
     }
     DeviceRuns result;

@@ -9,6 +9,7 @@
 
 #include "identify/cli/command.hpp"
 #include "identify/fit/block_choice.hpp"
+#include "models/progress.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording.hpp"
 
@@ -55,6 +56,6 @@ bool exceedsMemory(const RecordingSize& size, const MountModel& model, const Fit
 /// @throws InputError as RecordingStream; not enough memory for one block
 DeviceRuns chooseBlocks(const std::vector<std::string>& files, const ColumnMap* map, const MountModel& model,
                         const FitOptions& options, const std::string& use, const RecordingSize& size,
-                        const MemoryOption& memory);
+                        const MemoryOption& memory, Progress& progress);
 
 }  // namespace wems::identify::cli

@@ -15,6 +15,14 @@ std::string_view trimLine(std::string_view text) {
                                            : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
+/// Fields of a row in which none may be empty: some programs put several tabs between them.
+std::vector<std::string_view> splitSettings(std::string_view line) {
+    auto fields = splitFields(line);
+    fields.erase(std::remove_if(fields.begin(), fields.end(), [](std::string_view field) { return field.empty(); }),
+                 fields.end());
+    return fields;
+}
+
 /// The table of marker names under the four lines of a .trc header.
 void readMarkerNames(LineCursor& lines, const std::string& unit, RecordingTable& table) {
     const auto names = splitFields(lines.take());
@@ -97,8 +105,8 @@ RecordingTable readTrc(std::string_view text, const std::string& file) {
     if (path.size() >= 3 && path[2] != "(X/Y/Z)")
         throw InputError({file, 1, "PathFileType"}, "the order of the axes is '" + std::string(path[2]) + "'",
                          "(X/Y/Z)");
-    const auto keys = splitFields(lines.take());
-    const auto settings = splitFields(lines.take());
+    const auto keys = splitSettings(lines.take());
+    const auto settings = splitSettings(lines.take());
     std::string unit;
     for (std::size_t i = 0; i < std::min(keys.size(), settings.size()); ++i) {
         table.metadata[std::string(keys[i])] = std::string(settings[i]);

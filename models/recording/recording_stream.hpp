@@ -2,6 +2,7 @@
 /// A recording that is too long for memory, in blocks of consecutive rows.
 #pragma once
 
+#include <algorithm>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -30,6 +31,11 @@ public:
     const Recording& header() const { return header_; }
     /// Samples of the whole recording, from the length of its first rows.
     double expectedSamples() const { return expected_samples_; }
+
+    /// Part of the expected samples that the blocks so far hold, at most 1.
+    double fractionRead() const {
+        return std::min(1.0, static_cast<double>(state_.first_sample + 1) / expected_samples_);
+    }
 
     /// The next block; false after the last one. Notes on the header come with the first block.
     /// @throws InputError as readRecording(); a channel that has values in some blocks only
