@@ -25,8 +25,7 @@ void addBodyParameters(const std::string& wanted, std::vector<Parameter>& parame
                                        [&](const Parameter& other) { return other.name == name; });
         if (!there) parameters.push_back({kind, name, parameterUnit(name), -1, index, -1});
     };
-    for (int j = 0; j < 3; ++j)
-        addIf(ParameterKind::center_of_gravity, "body.center_of_gravity", kAxes[j], j);
+    for (int j = 0; j < 3; ++j) addIf(ParameterKind::center_of_gravity, "body.center_of_gravity", kAxes[j], j);
     for (int j = 0; j < 6; ++j) addIf(ParameterKind::inertia, "body.inertia", kInertiaNames[j], j);
     if (found) return;
     if (wanted == "body.mass")
@@ -46,8 +45,7 @@ double referenceDamping(double stiffness) {
 }  // namespace
 
 std::string formatAxisName(const MountModel& model, int connection, int axis) {
-    return model.connections.at(static_cast<std::size_t>(connection)).name + "." +
-           kAxes[axis];
+    return model.connections.at(static_cast<std::size_t>(connection)).name + "." + kAxes[axis];
 }
 
 std::vector<Parameter> makeParameters(const MountModel& model, const std::vector<std::string>& free_body) {
