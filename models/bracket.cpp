@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "models/bryant.hpp"
+#include "models/pi.hpp"
 
 namespace wems {
 
@@ -18,14 +19,13 @@ Eigen::Vector3d combine(const Eigen::Matrix3Xd& shape, const Eigen::Ref<const Ei
 }  // namespace
 
 Bracket::Bracket(std::vector<BracketMode> modes) : modes_(std::move(modes)) {
-    constexpr double two_pi = 6.283185307179586;
     const auto n = static_cast<Eigen::Index>(modes_.size());
     for (auto* shape : {&translation_, &rotation_, &load_, &base_}) shape->resize(3, n);
     omega_squared_.resize(n);
     two_zeta_omega_.resize(n);
     for (Eigen::Index j = 0; j < n; ++j) {
         const BracketMode& mode = modes_[static_cast<std::size_t>(j)];
-        const double omega = two_pi * mode.frequency;
+        const double omega = kTwoPi * mode.frequency;
         translation_.col(j) = mode.translation;
         rotation_.col(j) = mode.rotation;
         load_.col(j) = mode.load_translation;

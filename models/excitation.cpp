@@ -7,11 +7,11 @@
 
 #include "models/error.hpp"
 #include "models/format_number.hpp"
+#include "models/pi.hpp"
 
 namespace wems {
 namespace {
 
-constexpr double pi = 3.141592653589793;
 constexpr double ln2 = 0.6931471805599453;
 
 void requirePositive(const std::string& key, double value, const std::string& unit) {
@@ -39,8 +39,8 @@ public:
     double value(double t) const final {
         if (!(t >= 0 && t <= duration_)) return 0;
         double weight = 1;
-        if (t < fade_.start) weight *= 0.5 * (1 - std::cos(pi * t / fade_.start));
-        if (duration_ - t < fade_.end) weight *= 0.5 * (1 - std::cos(pi * (duration_ - t) / fade_.end));
+        if (t < fade_.start) weight *= 0.5 * (1 - std::cos(kPi * t / fade_.start));
+        if (duration_ - t < fade_.end) weight *= 0.5 * (1 - std::cos(kPi * (duration_ - t) / fade_.end));
         return weight * unfadedValue(t);
     }
 
@@ -59,7 +59,7 @@ public:
           f0_(f0),
           rate_(f1 > f0 ? octaves_per_second : -octaves_per_second) {}
     // expm1 keeps the digits at the start, where 2^(r t) − 1 is small.
-    double phase(double t) const override { return 2 * pi * f0_ * std::expm1(rate_ * ln2 * t) / (rate_ * ln2); }
+    double phase(double t) const override { return kTwoPi * f0_ * std::expm1(rate_ * ln2 * t) / (rate_ * ln2); }
     double frequency(double t) const override { return f0_ * std::exp2(rate_ * t); }
 
 private:
@@ -72,7 +72,7 @@ public:
         : FadedSignal(std::abs(f1 - f0) / hertz_per_second, fade),
           f0_(f0),
           rate_(f1 > f0 ? hertz_per_second : -hertz_per_second) {}
-    double phase(double t) const override { return 2 * pi * (f0_ + 0.5 * rate_ * t) * t; }
+    double phase(double t) const override { return kTwoPi * (f0_ + 0.5 * rate_ * t) * t; }
     double frequency(double t) const override { return f0_ + rate_ * t; }
 
 private:
@@ -82,7 +82,7 @@ private:
 class Dwell : public FadedSignal {
 public:
     Dwell(double frequency, double duration, Fade fade) : FadedSignal(duration, fade), frequency_(frequency) {}
-    double phase(double t) const override { return 2 * pi * frequency_ * t; }
+    double phase(double t) const override { return kTwoPi * frequency_ * t; }
     double frequency(double) const override { return frequency_; }
 
 private:
@@ -109,7 +109,7 @@ public:
         for (int i = 0; i < lines; ++i) {
             const double from = std::floor(i * available / lines), to = std::floor((i + 1) * available / lines);
             const double multiple = first + from + std::floor(draw() * (to - from));
-            lines_.push_back({2 * pi * multiple / duration, 2 * pi * draw()});
+            lines_.push_back({kTwoPi * multiple / duration, kTwoPi * draw()});
         }
         amplitude_ = std::sqrt(2.0 / lines);
     }

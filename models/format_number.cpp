@@ -18,4 +18,10 @@ std::string formatNumber(double value, int digits) {
     return {text.data(), result.ptr};
 }
 
+std::string joinWords(const std::vector<std::string>& words, const std::string& separator) {
+    std::string text;
+    for (const auto& word : words) text += (text.empty() ? "" : separator) + word;
+    return text;
+}
+
 }  // namespace wems

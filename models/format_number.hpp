@@ -1,8 +1,9 @@
 /// @file
-/// Numbers as text.
+/// Numbers and lists as text.
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace wems {
 
@@ -10,5 +11,7 @@ namespace wems {
 std::string formatNumber(double value);
 /// With so many significant digits, for messages.
 std::string formatNumber(double value, int digits);
+/// `a, b, c`
+std::string joinWords(const std::vector<std::string>& words, const std::string& separator = ", ");
 
 }  // namespace wems

@@ -8,11 +8,10 @@
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/mount_forces.hpp"
+#include "models/pi.hpp"
 
 namespace wems {
 namespace {
-
-constexpr double two_pi = 6.283185307179586;
 
 /// Exact kinematics about rest, with the forces of one axis linear in its displacement.
 class RestNeighbourhood {
@@ -120,7 +119,7 @@ Eigen::MatrixXd differentiate(const Function& function, Eigen::Index size) {
 }  // namespace
 
 LinearSystem linearize(const MountModel& model, double reference_frequency) {
-    const RestNeighbourhood rest(model, two_pi * reference_frequency);
+    const RestNeighbourhood rest(model, kTwoPi * reference_frequency);
     const Eigen::Index n = rest.size();
     LinearSystem system;
 
@@ -147,7 +146,7 @@ LinearSystem linearize(const MountModel& model, double reference_frequency) {
     system.load = Eigen::MatrixXd::Zero(n, 3);
     for (Eigen::Index j = 6; j < n; ++j) {
         const BracketMode& mode = model.bracket[static_cast<std::size_t>(j - 6)];
-        system.damping(j, j) += 2 * mode.damping_ratio * two_pi * mode.frequency;
+        system.damping(j, j) += 2 * mode.damping_ratio * kTwoPi * mode.frequency;
         system.load.row(j) = mode.load_translation.transpose();
     }
     return system;
@@ -160,7 +159,7 @@ LinearModes findLinearModes(const LinearSystem& system) {
     if (squares.minCoeff() < -1e-9 * squares.maxCoeff())
         throw InputError({{}, 0, "gravity"}, "the static equilibrium is not stable (ω² = " +
                                                  formatNumber(squares.minCoeff(), 3) + " 1/s²)");
-    return {squares.cwiseMax(0).cwiseSqrt() / two_pi, solver.eigenvectors()};
+    return {squares.cwiseMax(0).cwiseSqrt() / kTwoPi, solver.eigenvectors()};
 }
 
 }  // namespace wems

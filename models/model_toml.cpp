@@ -145,13 +145,7 @@ void readRoot(TomlTable& root, const std::string& file, MountModel& model) {
 }  // namespace
 
 MountModel parseMountModel(std::string_view text, const std::string& file) {
-    toml::table parsed;
-    try {
-        parsed = toml::parse(text, file);
-    } catch (const toml::parse_error& error) {
-        throw InputError({file, static_cast<long>(error.source().begin.line), {}},
-                         "not valid TOML: " + std::string(error.description()));
-    }
+    const toml::table parsed = parseToml(text, file);
     TomlPlaces places{file, {}};
     TomlTable root(parsed, "", places);
     MountModel model;

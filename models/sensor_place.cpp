@@ -1,12 +1,9 @@
 #include "models/sensor_place.hpp"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 
 #include "models/bryant.hpp"
 #include "models/error.hpp"
-#include "models/recording/text_file.hpp"
 #include "models/sensor_place_toml.hpp"
 
 namespace wems {
@@ -49,19 +46,8 @@ void readSensorTables(TomlTable& root, std::vector<SensorPlace>& places) {
 }
 
 std::vector<SensorPlace> readSensorPlaces(const std::string& file) {
-    const TextFile text(file);
-    toml::table parsed;
-    try {
-        parsed = toml::parse(text.view(), file);
-    } catch (const toml::parse_error& error) {
-        throw InputError({file, static_cast<long>(error.source().begin.line), {}},
-                         "not valid TOML: " + std::string(error.description()));
-    }
-    TomlPlaces lines{file, {}};
-    TomlTable root(parsed, "", lines);
     std::vector<SensorPlace> places;
-    readSensorTables(root, places);
-    root.rejectUnknownKeys();
+    readTomlFile(file, [&places](TomlTable& root) { readSensorTables(root, places); });
     if (places.empty()) throw InputError({file, 0, {}}, "there is no [[marker]] and no [[accelerometer]]");
     return places;
 }

@@ -3,10 +3,11 @@
 #include <Eigen/QR>
 #include <cmath>
 
+#include "models/pi.hpp"
+
 namespace wems {
 namespace {
 
-constexpr double two_pi = 6.283185307179586;
 constexpr double corner_ratio = 4.89;
 constexpr int fit_points = 41;
 
@@ -16,11 +17,11 @@ StructuralBranches calcBranches() {
     StructuralBranches result{};
     for (int j = 0; j < 3; ++j) {
         result.branch[static_cast<std::size_t>(j)].time_constant =
-            1 / (two_pi * middle * std::pow(corner_ratio, j - 1));
+            1 / (kTwoPi * middle * std::pow(corner_ratio, j - 1));
     }
     Eigen::Matrix<double, fit_points, 3> loss;
     for (int i = 0; i < fit_points; ++i) {
-        const double omega = two_pi * band.lower * std::pow(band.upper / band.lower, i / (fit_points - 1.0));
+        const double omega = kTwoPi * band.lower * std::pow(band.upper / band.lower, i / (fit_points - 1.0));
         for (int j = 0; j < 3; ++j) {
             const double u = omega * result.branch[static_cast<std::size_t>(j)].time_constant;
             loss(i, j) = u / (1 + u * u);
@@ -30,7 +31,7 @@ StructuralBranches calcBranches() {
     for (int j = 0; j < 3; ++j) {
         MaxwellBranch& branch = result.branch[static_cast<std::size_t>(j)];
         branch.stiffness = stiffness[j];
-        const double u = two_pi * middle * branch.time_constant;
+        const double u = kTwoPi * middle * branch.time_constant;
         result.storage_in_middle += branch.stiffness * u * u / (1 + u * u);
     }
     return result;

@@ -1,12 +1,9 @@
 #include "models/test_campaign.hpp"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <filesystem>
 
 #include "models/error.hpp"
-#include "models/recording/text_file.hpp"
 #include "models/toml_table.hpp"
 
 namespace wems {
@@ -22,9 +19,6 @@ public:
         campaign_.columns = locate(root.findString("columns").value_or(""));
         campaign_.geometry = locate(root.findString("geometry").value_or(""));
         root.readTables("run", [this](TomlTable& table) { readRun(table); });
-        root.rejectUnknownKeys();
-        if (campaign_.listFiles(false).empty())
-            root.fail("run", "no run has the role identify", "[[run]] with role = \"identify\"");
         return std::move(campaign_);
     }
 
@@ -69,17 +63,11 @@ std::string TestCampaign::describe(const std::string& file) const {
 }
 
 TestCampaign readTestCampaign(const std::string& file) {
-    const TextFile text(file);
-    toml::table parsed;
-    try {
-        parsed = toml::parse(text.view(), file);
-    } catch (const toml::parse_error& error) {
-        throw InputError({file, static_cast<long>(error.source().begin.line), {}},
-                         "not valid TOML: " + std::string(error.description()));
-    }
-    TomlPlaces places{file, {}};
-    TomlTable root(parsed, "", places);
-    return CampaignReader(file).read(root);
+    TestCampaign campaign;
+    readTomlFile(file, [&](TomlTable& root) { campaign = CampaignReader(file).read(root); });
+    if (campaign.listFiles(false).empty())
+        throw InputError({file, 0, "run"}, "no run has the role identify", "[[run]] with role = \"identify\"");
+    return campaign;
 }
 
 }  // namespace wems

@@ -13,7 +13,7 @@ std::size_t displayWidth(const std::string& text) {
 
 }  // namespace
 
-std::string Table::format() const {
+std::string Table::format(TextStyle style) const {
     std::vector<std::size_t> widths;
     for (const auto& title : header_) widths.push_back(displayWidth(title));
     for (const auto& row : rows_) {
@@ -21,20 +21,23 @@ std::string Table::format() const {
             widths[i] = std::max(widths[i], displayWidth(row[i]));
     }
     std::string text;
-    const auto addLine = [&](const std::vector<std::string>& row) {
-        std::string line;
-        for (std::size_t i = 0; i < row.size() && i < widths.size(); ++i) {
-            const std::string padding(widths[i] - displayWidth(row[i]), ' ');
-            if (i > 0) line += "  ";
-            line += i == 0 ? row[i] + padding : padding + row[i];
-        }
-        text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+    const auto padded = [&](const std::vector<std::string>& row, std::size_t i) {
+        const std::string padding(widths[i] - displayWidth(row[i]), ' ');
+        return i == 0 ? row[i] + padding : "  " + padding + row[i];
     };
-    addLine(header_);
+    const auto addLine = [&](const std::vector<std::string>& row, Colour first, Colour others, TextStyle other_style) {
+        std::string line;
+        for (std::size_t i = 1; i < row.size() && i < widths.size(); ++i) line += padded(row, i);
+        line = line.substr(0, line.find_last_not_of(' ') + 1);
+        std::string name = row.empty() ? "" : padded(row, 0);
+        if (line.empty()) name = name.substr(0, name.find_last_not_of(' ') + 1);
+        text += paint(name, first, style) + paint(line, others, other_style) + "\n";
+    };
+    addLine(header_, Colour::bold, Colour::bold, style);
     std::vector<std::string> rule;
     for (const auto width : widths) rule.emplace_back(width, '-');
-    addLine(rule);
-    for (const auto& row : rows_) addLine(row);
+    addLine(rule, Colour::dim, Colour::dim, style);
+    for (const auto& row : rows_) addLine(row, Colour::cyan, Colour::dim, TextStyle::plain);
     return text;
 }
 

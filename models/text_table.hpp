@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "models/terminal.hpp"
+
 namespace wems {
 
 /// A table with right-aligned columns but the first.
@@ -13,7 +15,8 @@ class Table {
 public:
     explicit Table(std::vector<std::string> header) : header_(std::move(header)) {}
     void addRow(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-    std::string format() const;
+    /// Columns aligned with blanks; coloured: header bold, rule dim, first column cyan.
+    std::string format(TextStyle style = TextStyle::plain) const;
     bool empty() const { return rows_.empty(); }
 
     const std::vector<std::string>& header() const { return header_; }

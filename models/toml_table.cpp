@@ -7,6 +7,7 @@
 
 #include "models/error.hpp"
 #include "models/format_number.hpp"
+#include "models/recording/text_file.hpp"
 
 namespace wems {
 namespace {
@@ -173,6 +174,24 @@ void TomlTable::rejectUnknownKeys() const {
         for (const std::string& asked : asked_) known += (known.empty() ? "" : ", ") + asked;
         fail(name, "is not known here", known);
     }
+}
+
+toml::table parseToml(std::string_view text, const std::string& file) {
+    try {
+        return toml::parse(text, file);
+    } catch (const toml::parse_error& error) {
+        throw InputError({file, static_cast<long>(error.source().begin.line), {}},
+                         "not valid TOML: " + std::string(error.description()));
+    }
+}
+
+void readTomlFile(const std::string& file, const std::function<void(TomlTable&)>& read) {
+    const TextFile text(file);
+    const toml::table parsed = parseToml(text.view(), file);
+    TomlPlaces places{file, {}};
+    TomlTable root(parsed, "", places);
+    read(root);
+    root.rejectUnknownKeys();
 }
 
 }  // namespace wems

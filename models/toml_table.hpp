@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace wems {
@@ -65,5 +66,12 @@ private:
     TomlPlaces& places_;
     std::vector<std::string> asked_;
 };
+
+/// Parses the text of a file. @throws InputError with its line if it is no TOML
+toml::table parseToml(std::string_view text, const std::string& file);
+
+/// Calls `read` with the root of the TOML file `file`; a key that `read` does not ask for is an error.
+/// @throws InputError: no such file, no TOML, unknown key, and what `read` throws
+void readTomlFile(const std::string& file, const std::function<void(TomlTable&)>& read);
 
 }  // namespace wems

@@ -1,4 +1,6 @@
 // The executable `simulate`: a mount model under a load or base motion, recorded as CSV or for OpenSim.
+#include <unistd.h>
+
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -6,8 +8,9 @@
 #include "models/atomic_file.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
+#include "models/progress.hpp"
 #include "models/recording/recording_writer.hpp"
-#include "plugin/progress.hpp"
+#include "models/terminal.hpp"
 #include "plugin/simulate_options.hpp"
 #include "plugin/simulation.hpp"
 #include "plugin/summary.hpp"
@@ -93,7 +96,7 @@ void run(const SimulateOptions& options) {
         return;
     }
     if (!options.json_file.empty()) AtomicFile::write(options.json_file, makeSummaryJson(description).dump(2) + "\n");
-    if (!options.quiet) std::cout << formatSummary(description);
+    if (!options.quiet) std::cout << formatSummary(description, styleOf(STDOUT_FILENO));
 }
 
 }  // namespace

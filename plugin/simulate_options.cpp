@@ -9,6 +9,7 @@
 #include <sstream>
 #include <vector>
 
+#include "models/command_line/completion.hpp"
 #include "models/error.hpp"
 
 namespace wems::plugin {
@@ -136,7 +137,7 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     SimulateOptions options;
     std::string force, base, noise, channels;
     CLI::App app{"Simulate equipment on elastomer mounts with stops (Simbody) and record it."};
-    app.name("simulate");
+    app.name(programName(argv[0]));
     app.footer(footer);
     app.add_option("MODEL", options.model_file, "mount model, TOML")->required();
     app.add_option("-o,--output", options.output_file, "recording to write: .csv, or .trc, .sto, .mot for OpenSim");
@@ -161,6 +162,7 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     app.add_option("--json", options.json_file, "write the summary as JSON to FILE (- for standard output)");
     app.add_option("--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
     app.add_flag("-q,--quiet", options.quiet, "no progress, no summary");
+    addCompletionOption(app);
     app.set_version_flag("--version", "wems simulate " WEMS_VERSION);
     options.accuracy = 1e-6;
     exit_status = 0;

@@ -70,10 +70,10 @@ nlohmann::json finiteOrNull(double value) {
 
 }  // namespace
 
-std::string formatSummary(const RunDescription& run) {
+std::string formatSummary(const RunDescription& run, TextStyle style) {
     const Table stops = makeStopTable(run);
-    return (stops.empty() ? std::string("no stop reached\n") : stops.format()) + "\n" +
-           makeDisplacementTable(run).format() + "\n" + describeCost(run.result.cost) + "\n";
+    return (stops.empty() ? std::string("no stop reached\n") : stops.format(style)) + "\n" +
+           makeDisplacementTable(run).format(style) + "\n" + describeCost(run.result.cost) + "\n";
 }
 
 nlohmann::json makeSummaryJson(const RunDescription& run) {

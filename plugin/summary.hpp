@@ -6,6 +6,7 @@
 #include <string>
 
 #include "models/mount_model.hpp"
+#include "models/terminal.hpp"
 #include "plugin/drive.hpp"
 #include "plugin/simulation.hpp"
 
@@ -21,7 +22,7 @@ struct RunDescription {
 
 /// Stops that were reached (from and to which frequency and time, deepest penetration), the largest relative
 /// displacements, and what the run cost.
-std::string formatSummary(const RunDescription& run);
+std::string formatSummary(const RunDescription& run, TextStyle style);
 nlohmann::json makeSummaryJson(const RunDescription& run);
 
 /// The summary with plots of the relative displacements and accelerations. @throws InputError: cannot be written.

@@ -7,8 +7,9 @@ mkdir -p "$logs"
 started=$SECONDS
 
 build_packages="ca-certificates g++ cmake ninja-build ccache libeigen3-dev libsimbody-dev libtomlplusplus-dev libfast-float-dev
-  nlohmann-json3-dev libcli11-dev libceres-dev libboost-math-dev libfftw3-dev libmatio-dev libhdf5-dev libjs-dygraphs python3"
-test_packages="xz-utils catch2 clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev"
+  nlohmann-json3-dev libcli11-dev libceres-dev libboost-math-dev libfftw3-dev libmatio-dev libhdf5-dev libjs-dygraphs libjs-three python3"
+test_packages="xz-utils catch2 clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev
+  chromium chromium-driver python3-selenium help2man"
 
 # step NAME COMMAND …: one line when it passes; what failed and the end of its output when it fails.
 step() {

@@ -12,7 +12,7 @@
 namespace wems::identify::cli {
 namespace {
 
-struct Options {
+struct BeamTipOptions {
     CommonOptions common;
     std::string recording;
 };
@@ -44,7 +44,7 @@ void addPlot(HtmlReport& page, const std::string& title, const TipSpring& spring
                   true});
 }
 
-void run(const Options& options) {
+void runBeamTip(const BeamTipOptions& options) {
     const std::optional<ColumnMap> map =
         options.common.column_map.empty() ? std::nullopt : std::optional(readColumnMap(options.common.column_map));
     const Recording recording = readRecording(options.recording, map ? &*map : nullptr);
@@ -53,7 +53,7 @@ void run(const Options& options) {
     for (const auto& [name, spring] : {std::pair("complete", &tip.complete), std::pair("truncated", &tip.truncated)})
         table.addRow({name, formatNumber(spring->cubic, 6), formatNumber(spring->stiffness, 6),
                       formatNumber(spring->damping, 4), formatNumber(100 * spring->residual_fraction, 3) + " %"});
-    if (options.common.json_file != "-") std::cout << table.format();
+    if (options.common.printsText()) std::cout << table.format(outputStyle());
     writeJson({{"complete", makeJson(tip.complete, "-", "s")}, {"truncated", makeJson(tip.truncated, "N/m", "N s/m")}},
               options.common);
     if (options.common.report_file.empty()) return;
@@ -69,11 +69,11 @@ void run(const Options& options) {
 void addBeamTipCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand(
         "beam-tip", "Cubic spring at the tip of the benchmark beam, from the complete and the truncated tip equation");
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<BeamTipOptions>();
     command->add_option("recording", options->recording, "recording of simulate_beam (CSV)")->required();
     addCommonOptions(*command, options->common);
     command->footer("Example:\n  identify beam-tip beam.csv --json beam.json");
-    command->callback([options] { run(*options); });
+    command->callback([options] { runBeamTip(*options); });
 }
 
 }  // namespace wems::identify::cli

@@ -17,8 +17,14 @@ struct CommonOptions {
     std::string report_file;  ///< --report FILE.html
     std::string column_map;   ///< --columns map.toml
     std::string geometry;     ///< --geometry layout.toml
+    bool quiet = false;       ///< --quiet
+
+    /// Whether the result is wanted as text: not quiet, and standard output not taken by --json -.
+    bool printsText() const { return !quiet && json_file != "-"; }
 };
 void addCommonOptions(CLI::App& command, CommonOptions& options);
+/// --quiet, which addCommonOptions() adds too
+void addQuietOption(CLI::App& command, bool& quiet);
 /// --geometry, of commands that know a model
 void addGeometryOption(CLI::App& command, CommonOptions& options);
 
@@ -38,8 +44,15 @@ void addBeamTipCommand(CLI::App& app, int& exit_status);
 
 using wems::Table;
 
+/// How text on standard output is to look.
+TextStyle outputStyle();
+
 /// `digits` significant digits, no trailing noise; `-` for a value that is not finite.
 std::string formatNumber(double value, int digits = 5);
+/// Of a share: `1.23 %`
+std::string formatPercent(double share);
+/// JSON has no infinity and no NaN: null.
+nlohmann::json numberOrNull(double value);
 
 /// Writes `result` as JSON if --json was given (to a temporary file renamed at the end, or to standard output for `-`).
 void writeJson(const nlohmann::json& result, const CommonOptions& options);

@@ -10,6 +10,7 @@
 #include "identify/cli/recordings.hpp"
 #include "models/error.hpp"
 #include "models/mount_model.hpp"
+#include "models/progress.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
@@ -23,34 +24,30 @@ struct CompareOptions {
     double limit = 0;
 };
 
-nlohmann::json formatValue(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-}
-
 nlohmann::json formatBands(const std::vector<BandError>& bands) {
     auto result = nlohmann::json::array();
     for (const BandError& band : bands)
-        result.push_back({{"from", band.from}, {"to", band.to}, {"error", formatValue(band.error)}});
+        result.push_back({{"from", band.from}, {"to", band.to}, {"error", numberOrNull(band.error)}});
     return result;
 }
 
 void addRegimes(nlohmann::json& entry, const std::optional<double>& free, const std::optional<double>& contact) {
-    if (free) entry["free"] = formatValue(*free);
-    if (contact) entry["contact"] = formatValue(*contact);
+    if (free) entry["free"] = numberOrNull(*free);
+    if (contact) entry["contact"] = numberOrNull(*contact);
 }
 
 nlohmann::json formatComparison(const Comparison& comparison) {
     auto channels = nlohmann::json::array();
     for (const ChannelError& channel : comparison.channels) {
         nlohmann::json entry = {{"name", channel.name},
-                                {"error", formatValue(channel.error)},
+                                {"error", numberOrNull(channel.error)},
                                 {"rms", channel.rms},
                                 {"share", channel.share},
                                 {"bands", formatBands(channel.bands)}};
         addRegimes(entry, channel.free, channel.contact);
         channels.push_back(entry);
     }
-    nlohmann::json result = {{"error", formatValue(comparison.error)},
+    nlohmann::json result = {{"error", numberOrNull(comparison.error)},
                              {"channels", channels},
                              {"bands", formatBands(comparison.bands)},
                              {"time", {comparison.from, comparison.to}},
@@ -158,9 +155,12 @@ void addCompareCommand(CLI::App& app, int& exit_status) {
         ->check(CLI::PositiveNumber);
     command->footer("Example:\n  identify compare measured.csv simulated.csv --model mount.toml --limit 0.05");
     command->callback([options, command, &exit_status] {
+        std::optional<Progress> progress(std::in_place, !options->common.quiet);
+        progress->step("reading and comparing");
         const Comparison comparison = runComparison(*options);
-        if (options->common.json_file != "-") {
-            std::cout << describeError(comparison) << "\n\n" << makeTable(comparison).format();
+        progress.reset();
+        if (options->common.printsText()) {
+            std::cout << describeError(comparison) << "\n\n" << makeTable(comparison).format(outputStyle());
             for (const auto& note : comparison.notes) std::cout << "note: " << note << "\n";
         }
         writeJson(formatComparison(comparison), options->common);

@@ -39,8 +39,8 @@ void reportComponentFit(const ComponentFit& fit, const CommonOptions& options) {
         {"residual", {{"fraction", fit.residual_fraction}, {"rms", fit.residual_rms}, {"unit", "N"}}},
         {"effective_samples", fit.effective_samples},
         {"notes", fit.notes}};
-    if (options.json_file != "-") {
-        std::cout << tabulateParameters(fit.parameters).format();
+    if (options.printsText()) {
+        std::cout << tabulateParameters(fit.parameters).format(outputStyle());
         for (const auto& u : fit.not_identifiable)
             std::cout << "not identifiable: " << u.name << "; " << u.separate_by << " would tell\n";
         std::cout << "residual: " << formatNumber(100 * fit.residual_fraction, 3) << " % of the force, "

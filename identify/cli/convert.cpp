@@ -13,9 +13,10 @@ namespace {
 struct ConvertOptions {
     std::string input, output, model, column_map;
     int digits = 9;
+    bool quiet = false;
 };
 
-void run(const ConvertOptions& options) {
+void runConvert(const ConvertOptions& options) {
     WriteOptions write;
     write.digits = options.digits;
     if (!options.model.empty()) {
@@ -28,6 +29,7 @@ void run(const ConvertOptions& options) {
         std::cerr << "identify: " << recording.file << ": " << warning << "\n";
     for (const auto& note : writeRecording(recording, options.output, write))
         std::cerr << "identify: " << options.output << ": " << note << "\n";
+    if (options.quiet) return;
     std::cout << options.output << ": " << recording.channels.size() << " channels, " << recording.sampleCount()
               << " samples from " << recording.format << "\n";
     if (!recording.unused_columns.empty()) {
@@ -48,8 +50,9 @@ void addConvertCommand(CLI::App& app, int& /*exit_status*/) {
     command->add_option("--columns", options->column_map, "TOML that maps your column names to channel names");
     command->add_option("--model", options->model, "mount model: markers in .trc stand where its connections are");
     command->add_option("--digits", options->digits, "significant digits of values")->check(CLI::Range(1, 17));
+    addQuietOption(*command, options->quiet);
     command->footer("Example:\n  identify convert shaker.mat run.csv --columns map.toml");
-    command->callback([options] { run(*options); });
+    command->callback([options] { runConvert(*options); });
 }
 
 }  // namespace wems::identify::cli

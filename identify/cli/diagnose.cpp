@@ -1,17 +1,16 @@
 // `identify diagnose`: what the simulation gets wrong, the named causes, the extended model, the gain.
-#include <unistd.h>
-
 #include <cmath>
 #include <iostream>
 #include <memory>
 
 #include "identify/cli/campaign.hpp"
 #include "identify/cli/command.hpp"
+#include "identify/cli/device_scene.hpp"
 #include "identify/cli/diagnosis_output.hpp"
 #include "identify/cli/diagnosis_report.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/diagnose/diagnosis.hpp"
-#include "models/error.hpp"
+#include "models/progress.hpp"
 
 namespace wems::identify::cli {
 namespace {
@@ -25,23 +24,24 @@ struct DiagnoseArguments {
 void runDiagnose(DiagnoseArguments arguments) {
     resolveRuns(arguments.runs, arguments.common);
     const MountModel model = readDeviceModel(arguments.runs.model, arguments.common.geometry);
+    std::optional<Progress> progress(std::in_place, !arguments.common.quiet);
+    progress->step("reading");
     const auto identification = readDeviceRecordings(arguments.runs.recordings, arguments.common.column_map, model);
     const auto validation = readDeviceRecordings(arguments.runs.validation, arguments.common.column_map, model);
     DiagnosisOptions options;
-    const bool terminal = isatty(STDERR_FILENO) != 0;
-    if (terminal) options.progress = [](const std::string& text) { std::cerr << "\r\033[K" << text << std::flush; };
+    options.progress = [&](const std::string& text) { progress->step(text); };
     const Diagnosis diagnosis = diagnose(identification, validation, model, options);
-    if (terminal) std::cerr << "\r\033[K" << std::flush;
+    progress.reset();
     if (!arguments.output.empty()) writeMountModel(diagnosis.extended, arguments.output);
     writeJson(makeDiagnosisJson(diagnosis), arguments.common);
     if (!arguments.common.report_file.empty())
         writeDiagnosisReport(diagnosis, model.name.empty() ? arguments.runs.model : model.name,
-                             arguments.common.report_file);
-    if (arguments.common.json_file != "-") {
+                             makeDeviceScene(identification, diagnosis.extended), arguments.common.report_file);
+    if (arguments.common.printsText()) {
         for (const auto* group : {&identification, &validation})
             for (const auto& recording : *group)
                 for (const auto& warning : recording.warnings) std::cout << recording.file << ": " << warning << "\n";
-        std::cout << formatDiagnosis(diagnosis);
+        std::cout << formatDiagnosis(diagnosis, outputStyle());
         if (!arguments.output.empty()) std::cout << "\nExtended model: " << arguments.output << "\n";
     }
 }

@@ -3,17 +3,13 @@
 #include <cmath>
 
 #include "identify/cli/command.hpp"
+#include "models/format_number.hpp"
 
 namespace wems::identify::cli {
 namespace {
 
-/// JSON has no infinity and no NaN: null.
-nlohmann::json number(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-}
-
 nlohmann::json group(const GroupError& error) {
-    return {{"identification", number(error.identification)}, {"validation", number(error.validation)}};
+    return {{"identification", numberOrNull(error.identification)}, {"validation", numberOrNull(error.validation)}};
 }
 
 double gain(double before, double after) {
@@ -23,21 +19,11 @@ double gain(double before, double after) {
 nlohmann::json makeParameters(const std::vector<CauseParameter>& parameters, bool with_interval) {
     auto list = nlohmann::json::array();
     for (const auto& p : parameters) {
-        nlohmann::json entry{{"name", p.name}, {"value", number(p.value)}, {"unit", p.unit}};
-        if (with_interval) entry["interval95"] = {number(p.lower), number(p.upper)};
+        nlohmann::json entry{{"name", p.name}, {"value", numberOrNull(p.value)}, {"unit", p.unit}};
+        if (with_interval) entry["interval95"] = {numberOrNull(p.lower), numberOrNull(p.upper)};
         list.push_back(entry);
     }
     return list;
-}
-
-std::string join(const std::vector<std::string>& words) {
-    std::string text;
-    for (const auto& word : words) text += (text.empty() ? "" : " ") + word;
-    return text;
-}
-
-std::string percent(double value) {
-    return formatNumber(100 * value, 3) + " %";
 }
 
 }  // namespace
@@ -52,29 +38,29 @@ nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis) {
                               {"parameters", makeParameters(rival.parameters, false)},
                               {"separate_by", rival.separate_by}});
         causes.push_back({{"cause", cause.cause},
-                          {"probability", number(cause.probability)},
-                          {"gain_db", number(cause.gain_db)},
+                          {"probability", numberOrNull(cause.probability)},
+                          {"gain_db", numberOrNull(cause.gain_db)},
                           {"where", cause.where},
                           {"parameters", makeParameters(cause.parameters, true)},
                           {"rivals", rivals}});
     }
     const auto &before = diagnosis.error_before, &after = diagnosis.error_after;
-    return {
-        {"verdict", formatVerdict(diagnosis.verdict)},
-        {"error_before", group(before)},
-        {"error_after", group(after)},
-        {"gain_db",
-         group({gain(before.identification, after.identification), gain(before.validation, after.validation)})},
-        {"causes", causes},
-        {"unexplained",
-         {{"fraction", number(after.validation)},
-          {"noise_floor", number(diagnosis.noise_floor.validation)},
-          {"where", diagnosis.unexplained_where}}},
-        {"open_loop_misfit", {{"before", number(diagnosis.misfit_before)}, {"after", number(diagnosis.misfit_after)}}},
-        {"validated", diagnosis.validated}};
+    return {{"verdict", formatVerdict(diagnosis.verdict)},
+            {"error_before", group(before)},
+            {"error_after", group(after)},
+            {"gain_db",
+             group({gain(before.identification, after.identification), gain(before.validation, after.validation)})},
+            {"causes", causes},
+            {"unexplained",
+             {{"fraction", numberOrNull(after.validation)},
+              {"noise_floor", numberOrNull(diagnosis.noise_floor.validation)},
+              {"where", diagnosis.unexplained_where}}},
+            {"open_loop_misfit",
+             {{"before", numberOrNull(diagnosis.misfit_before)}, {"after", numberOrNull(diagnosis.misfit_after)}}},
+            {"validated", diagnosis.validated}};
 }
 
-std::string formatDiagnosis(const Diagnosis& diagnosis) {
+std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
     std::string text;
     for (const auto& note : diagnosis.notes) text += "Motion: " + note + "\n";
     if (!diagnosis.validated)
@@ -85,14 +71,14 @@ std::string formatDiagnosis(const Diagnosis& diagnosis) {
     for (std::size_t r = 0; r < diagnosis.rounds.size(); ++r) {
         const auto& round = diagnosis.rounds[r];
         text += "\nRound " + std::to_string(r + 1) + ": " + round.reason + "; a force along " + round.place +
-                " alone could make " + percent(round.place_share) + " of what the mount leaves\n";
+                " alone could make " + formatPercent(round.place_share) + " of what the mount leaves\n";
         Table table({"candidate", "identification", "validation", ""});
         for (std::size_t i = 0; i < round.trials.size(); ++i) {
             const auto& trial = round.trials[i];
             table.addRow({trial.candidate.describe(), formatNumber(trial.identification, 4),
                           formatNumber(trial.validation, 4), static_cast<int>(i) == round.taken ? "taken" : ""});
         }
-        if (!table.empty()) text += table.format();
+        if (!table.empty()) text += table.format(style);
     }
     Table parameters({"cause", "probability", "gain dB", "parameter", "value", "95 % interval", "unit"});
     for (const auto& cause : diagnosis.causes) {
@@ -106,22 +92,27 @@ std::string formatDiagnosis(const Diagnosis& diagnosis) {
             first = false;
         }
     }
-    if (!parameters.empty()) text += "\n" + parameters.format();
+    if (!parameters.empty()) text += "\n" + parameters.format(style);
     for (const auto& cause : diagnosis.causes)
         for (const auto& rival : cause.rivals) {
-            text += "Tie: " + cause.cause + " cannot be told from " + rival.cause + " at " + join(rival.where) + " (";
+            text += "Tie: " + cause.cause + " cannot be told from " + rival.cause + " at " +
+                    joinWords(rival.where, " ") + " (";
             for (const auto& p : rival.parameters) text += " " + p.name + " = " + formatNumber(p.value);
             text += " ); to separate: " + rival.separate_by + "\n";
         }
     Table errors({"free simulation", "before", "after", "noise alone"});
     const auto &before = diagnosis.error_before, &after = diagnosis.error_after, &floor = diagnosis.noise_floor;
-    errors.addRow({"identification", percent(before.identification), percent(after.identification),
-                   percent(floor.identification)});
-    errors.addRow({"validation", percent(before.validation), percent(after.validation), percent(floor.validation)});
-    text += "\n" + errors.format();
-    text += "\nVerdict: " + formatVerdict(diagnosis.verdict) + "\n";
+    errors.addRow({"identification", formatPercent(before.identification), formatPercent(after.identification),
+                   formatPercent(floor.identification)});
+    errors.addRow({"validation", formatPercent(before.validation), formatPercent(after.validation),
+                   formatPercent(floor.validation)});
+    text += "\n" + errors.format(style);
+    const bool unexplained = diagnosis.verdict == Diagnosis::Verdict::unexplained;
+    text +=
+        "\nVerdict: " + paint(formatVerdict(diagnosis.verdict), unexplained ? Colour::yellow : Colour::green, style) +
+        "\n";
     if (!diagnosis.unexplained_where.empty())
-        text += "What is left sits at: " + join(diagnosis.unexplained_where) + "\n";
+        text += "What is left sits at: " + joinWords(diagnosis.unexplained_where, " ") + "\n";
     return text;
 }
 

@@ -6,10 +6,11 @@
 #include <string>
 
 #include "identify/diagnose/diagnosis.hpp"
+#include "models/terminal.hpp"
 
 namespace wems::identify::cli {
 
 nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis);
-std::string formatDiagnosis(const Diagnosis& diagnosis);
+std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style);
 
 }  // namespace wems::identify::cli

@@ -3,26 +3,19 @@
 #include <cmath>
 
 #include "identify/cli/command.hpp"
+#include "identify/cli/device_scene.hpp"
+#include "models/format_number.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
 namespace {
 
-std::string percent(double value) {
-    return std::isfinite(value) ? formatNumber(100 * value, 3) + " %" : std::string("-");
-}
-
-std::string join(const std::vector<std::string>& words) {
-    std::string text;
-    for (const auto& word : words) text += (text.empty() ? "" : " ") + word;
-    return text;
-}
-
 void addErrors(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addHeading("Free simulation against the recordings");
     const auto row = [&](const std::string& name, double GroupError::*group) {
-        return std::vector<std::string>{name, percent(diagnosis.error_before.*group),
-                                        percent(diagnosis.error_after.*group), percent(diagnosis.noise_floor.*group)};
+        return std::vector<std::string>{name, formatPercent(diagnosis.error_before.*group),
+                                        formatPercent(diagnosis.error_after.*group),
+                                        formatPercent(diagnosis.noise_floor.*group)};
     };
     page.addTable({"recordings", "error before", "error after", "noise alone"},
                   {row("identification", &GroupError::identification), row("validation", &GroupError::validation)});
@@ -57,7 +50,8 @@ void addCauses(const Diagnosis& diagnosis, HtmlReport& page) {
         for (const auto& rival : cause.rivals) {
             std::vector<std::string> values;
             for (const auto& p : rival.parameters) values.push_back(p.name + " = " + formatNumber(p.value));
-            ties.push_back({cause.cause, rival.cause, join(rival.where), join(values), rival.separate_by});
+            ties.push_back(
+                {cause.cause, rival.cause, joinWords(rival.where, " "), joinWords(values, " "), rival.separate_by});
         }
     if (ties.empty()) return;
     page.addHeading("What these data cannot tell apart");
@@ -76,13 +70,13 @@ void addRounds(const Diagnosis& diagnosis, HtmlReport& page) {
         page.addText("Round " + std::to_string(r + 1) + ": " + round.reason + ". Before: identification " +
                      formatNumber(round.identification_before, 4) + ", validation " +
                      formatNumber(round.validation_before, 4) + ". A force of any history along " + round.place +
-                     " could make " + percent(round.place_share) + " of what the mount leaves.");
+                     " could make " + formatPercent(round.place_share) + " of what the mount leaves.");
         std::vector<std::vector<std::string>> rows;
         for (std::size_t i = 0; i < round.trials.size(); ++i) {
             const auto& trial = round.trials[i];
             std::vector<std::string> values;
             for (const double value : trial.values) values.push_back(formatNumber(value));
-            rows.push_back({trial.candidate.describe(), join(values), formatNumber(trial.identification, 4),
+            rows.push_back({trial.candidate.describe(), joinWords(values, " "), formatNumber(trial.identification, 4),
                             formatNumber(trial.validation, 4), static_cast<int>(i) == round.taken ? "taken" : ""});
         }
         if (!rows.empty()) page.addTable({"candidate", "values", "identification", "validation", ""}, rows);
@@ -108,12 +102,14 @@ void addSpectrum(const Diagnosis& diagnosis, HtmlReport& page) {
 
 }  // namespace
 
-void writeDiagnosisReport(const Diagnosis& diagnosis, const std::string& title, const std::string& file) {
+void writeDiagnosisReport(const Diagnosis& diagnosis, const std::string& title, const MotionScene& motion,
+                          const std::string& file) {
     HtmlReport page("Diagnosis of " + title);
     page.addText("Verdict: " + formatVerdict(diagnosis.verdict));
     if (!diagnosis.unexplained_where.empty())
-        page.addText("What is left sits at: " + join(diagnosis.unexplained_where));
+        page.addText("What is left sits at: " + joinWords(diagnosis.unexplained_where, " "));
     addErrors(diagnosis, page);
+    addMotion(page, motion);
     addCauses(diagnosis, page);
     addSpectrum(diagnosis, page);
     addRounds(diagnosis, page);

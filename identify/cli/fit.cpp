@@ -9,9 +9,14 @@
 #include "identify/cli/campaign.hpp"
 #include "identify/cli/command.hpp"
 #include "identify/cli/component_fit.hpp"
+#include "identify/cli/device_scene.hpp"
+#include "identify/cli/long_recordings.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
+#include "identify/motion/parallel.hpp"
 #include "models/error.hpp"
+#include "models/format_number.hpp"
+#include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
@@ -21,6 +26,7 @@ namespace {
 struct FitCommandOptions {
     CommonOptions common;
     FitOptions fit;
+    MemoryOption memory;
     RunSelection runs;
     std::optional<TestCampaign> campaign;
     std::string output, use = "all";
@@ -70,17 +76,11 @@ Table makeParameterTable(const FitResult& fit) {
     return table;
 }
 
-std::string join(const std::vector<std::string>& names) {
-    std::string text;
-    for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-    return text;
-}
-
 Table makeOpenTable(const FitResult& fit) {
     Table table({"not identifiable one by one", "what is known", "value", "95 % from", "to", "would be told by"});
     for (const auto& group : fit.not_identifiable) {
         const bool known = !group.combination.empty();
-        table.addRow({join(group.names),
+        table.addRow({joinWords(group.names),
                       known                  ? group.combination
                       : group.reason.empty() ? "nothing"
                                              : group.reason,
@@ -111,8 +111,8 @@ void addDisplacementPlots(HtmlReport& page, const std::vector<RunMotion>& runs) 
     }
 }
 
-void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const std::vector<std::string>& notes,
-                 const std::string& file) {
+void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const std::vector<Recording>& recordings,
+                 const std::vector<std::string>& notes, const std::string& file) {
     HtmlReport page("Identified mount: " + fit.model.name);
     page.addText(describeResidual(fit));
     const Table parameters = makeParameterTable(fit), open = makeOpenTable(fit);
@@ -122,49 +122,47 @@ void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const
         page.addTable(open.header(), open.rows());
     }
     for (const auto& note : notes) page.addText(note);
+    if (!recordings.empty()) addMotion(page, makeDeviceScene(runs, recordings, fit.model));
     addDisplacementPlots(page, runs);
     page.write(file);
 }
 
-/// Leaves out the displacement or the acceleration channels of both parts.
-void keepOnly(const std::string& use, std::vector<Recording>& recordings) {
-    if (use == "all") return;
-    const Derivative kept = use == "accelerations" ? Derivative::acceleration : Derivative::displacement;
-    for (Recording& recording : recordings) {
-        auto& channels = recording.channels;
-        channels.erase(std::remove_if(channels.begin(), channels.end(),
-                                      [&](const Channel& channel) {
-                                          const auto name = parseChannelName(channel.name);
-                                          return name && (name->part == Part::mobile || name->part == Part::fixed) &&
-                                                 name->derivative != kept;
-                                      }),
-                       channels.end());
+DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& model, std::vector<Recording>& recordings) {
+    DeviceRuns result;
+    for (Recording& recording : recordings) keepOnly(options.use, recording);
+    result.runs.resize(recordings.size());
+    Progress progress(!options.common.quiet);
+    progress.step("motion of both parts");
+    runParallel(recordings.size(), [&](std::size_t r) { result.runs[r] = estimateMotion(recordings[r], model); });
+    for (std::size_t r = 0; r < recordings.size(); ++r) {
+        for (const auto& warning : recordings[r].warnings) result.notes.push_back(recordings[r].file + ": " + warning);
+        for (const auto& note : result.runs[r].notes) result.notes.push_back(recordings[r].file + ": " + note);
     }
+    return result;
 }
 
-void fitDevice(const FitCommandOptions& options, const MountModel& model, std::vector<Recording>& recordings,
-               Timing timing) {
-    keepOnly(options.use, recordings);
+/// @param recordings of the runs; none where the runs are blocks of long ones
+void fitDevice(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings,
+               DeviceRuns device, Timing timing) {
     Stopwatch watch(timing);
-    std::vector<RunMotion> runs;
-    std::vector<std::string> notes;
-    for (const Recording& recording : recordings) {
-        runs.push_back(estimateMotion(recording, model));
-        for (const auto& warning : recording.warnings) notes.push_back(recording.file + ": " + warning);
-        for (const auto& note : runs.back().notes) notes.push_back(recording.file + ": " + note);
-    }
-    watch.lap("kinematics");
+    const std::vector<RunMotion>& runs = device.runs;
+    std::vector<std::string>& notes = device.notes;
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
+    progress->step("equations of motion, parameters and intervals");
     const FitResult fit = fitMount(runs, model, options.fit);
     notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
+    watch.restart();  // the fit has steps of its own
     timing.insert(timing.end(), fit.timing.begin(), fit.timing.end());
+    if (!options.runs.validation.empty()) progress->step("free simulations of the validation runs");
     const auto validation =
         validateModel(fit.model, readDeviceRecordings(options.runs.validation, options.common.column_map, fit.model));
     watch.lap("validation");
+    progress.reset();
     if (!options.output.empty()) writeMountModel(fit.model, options.output);
-    if (options.common.json_file != "-") {
-        std::cout << makeParameterTable(fit).format();
+    if (options.common.printsText()) {
+        std::cout << makeParameterTable(fit).format(outputStyle());
         const Table open = makeOpenTable(fit);
-        if (!open.rows().empty()) std::cout << "\n" << open.format();
+        if (!open.rows().empty()) std::cout << "\n" << open.format(outputStyle());
         std::cout << "\n" << describeResidual(fit) << "\n";
         for (const ValidationError& run : validation)
             std::cout << "validation: " << options.campaign->describe(run.file) << ": error "
@@ -175,10 +173,11 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, std::v
                 std::cout << "time: " << step << " " << formatNumber(seconds, 3) << " s\n";
     }
     nlohmann::json result = makeJson(fit, notes, options.timing ? timing : Timing{});
+    if (device.blocks) result["blocks"] = device.blocks->makeJson();
     for (const ValidationError& run : validation)
         result["validation"].push_back({{"run", run.file}, {"error", run.error}});
     writeJson(result, options.common);
-    if (!options.common.report_file.empty()) writeReport(fit, runs, notes, options.common.report_file);
+    if (!options.common.report_file.empty()) writeReport(fit, runs, recordings, notes, options.common.report_file);
 }
 
 void fitElement(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings) {
@@ -204,26 +203,44 @@ void fitElement(const FitCommandOptions& options, const MountModel& model, const
     page.write(options.common.report_file);
 }
 
-void run(FitCommandOptions options, const CLI::App& command) {
+bool asksForElement(const CLI::App& command) {
+    return command.count("--mass") > 0 || command.count("--axis") > 0;
+}
+
+void runFit(FitCommandOptions options, const CLI::App& command) {
     Timing timing;
     Stopwatch watch(timing);
     options.campaign = resolveRuns(options.runs, options.common);
     const MountModel model = readDeviceModel(options.runs.model, options.common.geometry);
     const std::optional<ColumnMap> map = readDeviceMap(options.common.column_map, model);
+    const auto size = estimateSize(options.runs.recordings, map ? &*map : nullptr);
+    if (size && !size->component && !asksForElement(command) &&
+        exceedsMemory(*size, model, options.fit, options.memory)) {
+        std::optional<Progress> progress(std::in_place, !options.common.quiet);
+        DeviceRuns device = chooseBlocks(options.runs.recordings, map ? &*map : nullptr, model, options.fit,
+                                         options.use, *size, options.memory, *progress);
+        progress.reset();
+        watch.lap("reading and choice of blocks");
+        fitDevice(options, model, {}, std::move(device), std::move(timing));
+        return;
+    }
     std::vector<Recording> recordings;
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
     for (const auto& file : options.runs.recordings) {
+        progress->step("reading " + file);
         recordings.push_back(readRecording(file, map ? &*map : nullptr));
         if (isComponentTest(recordings.back()) != isComponentTest(recordings.front()))
             throw InputError({file, 0, ""}, "a component test and a recording of a whole device",
                              "recordings of one kind in one fit");
     }
     watch.lap("reading");
-    const bool element =
-        isComponentTest(recordings.front()) || command.count("--mass") > 0 || command.count("--axis") > 0;
-    if (!element) {
+    progress.reset();
+    if (!isComponentTest(recordings.front()) && !asksForElement(command)) {
         for (Recording& recording : recordings) checkConnections(recording, model);
         watch.lap("checks");
-        fitDevice(options, model, recordings, std::move(timing));
+        DeviceRuns device = estimateRuns(options, model, recordings);
+        watch.lap("kinematics");
+        fitDevice(options, model, recordings, std::move(device), std::move(timing));
         return;
     }
     ComponentOptions& component = options.component;
@@ -254,6 +271,7 @@ void addFitCommand(CLI::App& app, int& /*exit_status*/) {
     command->add_flag("--timing", options->timing, "show how long each step took");
     addCommonOptions(*command, options->common);
     addGeometryOption(*command, options->common);
+    addMemoryOption(*command, options->memory);
     const std::string element = "Component test (one element, force measured or a known mass)";
     command->add_option("--connection", options->component.connection, "absent: the first one recorded")
         ->group(element);
@@ -270,7 +288,7 @@ void addFitCommand(CLI::App& app, int& /*exit_status*/) {
         "  identify fit axial.csv oblique.csv --model believed.toml -o fitted.toml --json fit.json\n"
         "  identify fit --test campaign.toml -o fitted.toml\n"
         "  identify fit drop.csv --columns map.toml --model element.toml --mass 0.639 --from 0.40 --to 0.55");
-    command->callback([options, command] { run(*options, *command); });
+    command->callback([options, command] { runFit(*options, *command); });
 }
 
 }  // namespace wems::identify::cli

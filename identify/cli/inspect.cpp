@@ -1,13 +1,17 @@
 // identify inspect: what is in a recording, what is suspicious, what can be identified from it.
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <memory>
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/inspect_report.hpp"
+#include "identify/cli/long_recordings.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/inspect/inspection.hpp"
+#include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
+#include "models/recording/recording_stream.hpp"
 
 namespace wems::identify::cli {
 namespace {
@@ -16,12 +20,9 @@ struct InspectOptions {
     CommonOptions common;
     std::vector<std::string> recordings;
     std::string model;
+    MemoryOption memory;
     bool strict = false;
 };
-
-nlohmann::json numberOrNull(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-}
 
 nlohmann::json makeChannelJson(const ChannelStatistics& channel) {
     return {{"name", channel.name},
@@ -64,7 +65,8 @@ nlohmann::json makeJson(const Inspection& inspection, const Recording& recording
     const SweptFrequency& swept = inspection.swept;
     return {{"file", recording.file},
             {"format", recording.format},
-            {"samples", recording.sampleCount()},
+            {"samples", inspection.samples},
+            {"blocks", inspection.blocks},
             {"rate", inspection.rate},
             {"duration", inspection.duration},
             {"drive", {{"source", swept.source}, {"is_sine", swept.is_sine}, {"band", {swept.lowest, swept.highest}}}},
@@ -78,12 +80,46 @@ nlohmann::json makeJson(const Inspection& inspection, const Recording& recording
             {"warnings", recording.warnings}};
 }
 
-Inspection inspectOne(const std::string& file, const ColumnMap* map, const MountModel* model, Recording& recording) {
+/// Block by block. `header` gets what stands before the data.
+Inspection inspectStream(const std::string& file, const ColumnMap* map, const MountModel* model, Recording& header,
+                         Progress& progress) {
+    RecordingStream stream(file, map, block_rows);
+    header = stream.header();
+    Inspector inspector(model);
+    BlockNotes warnings;
+    Recording block;
+    while (stream.next(block)) {
+        for (const auto& warning : block.warnings) {
+            const bool found = std::any_of(block.findings.begin(), block.findings.end(),
+                                           [&](const Finding& finding) { return finding.message == warning; });
+            if (!found) warnings.add(warning);
+        }
+        inspector.add(block);
+        progress.show(stream.fractionRead(), "blocks of " + file);
+    }
+    Inspection inspection = inspector.finish();
+    header.warnings = warnings.list();
+    header.warnings.push_back("read in " + std::to_string(inspection.blocks) + " blocks of " +
+                              std::to_string(block_rows) + " rows");
+    return inspection;
+}
+
+/// @param recording its values are left out where it is long
+Inspection inspectOne(const InspectOptions& options, const std::string& file, const ColumnMap* map,
+                      const MountModel* model, Recording& recording) {
+    Progress progress(!options.common.quiet);
+    // Of the recording, its uniform copy, what is found in it, the rigid motions; measured.
+    const double bytes_a_value = model != nullptr ? 65 : 30;
+    const auto size = estimateSize({file}, map);
+    if (size && bytes_a_value * size->samples * size->channels > 1e6 * options.memory.megabytes)
+        return inspectStream(file, map, model, recording, progress);
+    progress.step("reading " + file);
     recording = readRecording(file, map);
+    progress.step("looking at " + file);
     return inspect(recording, model);
 }
 
-void run(const InspectOptions& options, int& exit_status) {
+void runInspect(const InspectOptions& options, int& exit_status) {
     std::optional<MountModel> model;
     if (!options.model.empty()) model = readDeviceModel(options.model, options.common.geometry);
     const std::optional<ColumnMap> map =
@@ -92,8 +128,9 @@ void run(const InspectOptions& options, int& exit_status) {
     InspectReport report;
     for (const std::string& file : options.recordings) {
         Recording recording;
-        const Inspection inspection = inspectOne(file, map ? &*map : nullptr, model ? &*model : nullptr, recording);
-        if (options.common.json_file != "-") std::cout << formatInspection(inspection, recording);
+        const Inspection inspection =
+            inspectOne(options, file, map ? &*map : nullptr, model ? &*model : nullptr, recording);
+        if (options.common.printsText()) std::cout << formatInspection(inspection, recording, outputStyle());
         results.push_back(makeJson(inspection, recording));
         if (!options.common.report_file.empty()) report.add(inspection, recording);
         if (options.strict && !inspection.findings.empty()) exit_status = 1;
@@ -112,8 +149,9 @@ void addInspectCommand(CLI::App& app, int& exit_status) {
     command->add_flag("--strict", options->strict, "exit status 1 if anything is suspicious");
     addCommonOptions(*command, options->common);
     addGeometryOption(*command, options->common);
+    addMemoryOption(*command, options->memory);
     command->footer("Example:\n  identify inspect run1.csv run2.mat --model mount.toml --report runs.html");
-    command->callback([options, &exit_status] { run(*options, exit_status); });
+    command->callback([options, &exit_status] { runInspect(*options, exit_status); });
 }
 
 }  // namespace wems::identify::cli

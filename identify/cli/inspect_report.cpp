@@ -1,5 +1,6 @@
 #include "identify/cli/inspect_report.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -11,7 +12,7 @@
 namespace wems::identify::cli {
 namespace {
 
-constexpr int report_segment = 1024;  // samples: lines of a picture, not of an analysis
+constexpr Eigen::Index report_lines = 512;  // of a picture, not of an analysis
 constexpr double degrees = 180 / 3.14159265358979323846;
 
 std::string describeDrive(const SweptFrequency& swept) {
@@ -23,7 +24,7 @@ std::string describeDrive(const SweptFrequency& swept) {
 }
 
 std::string describeRecording(const Inspection& inspection, const Recording& recording) {
-    return recording.file + ": " + recording.format + ", " + std::to_string(recording.sampleCount()) + " samples, " +
+    return recording.file + ": " + recording.format + ", " + std::to_string(inspection.samples) + " samples, " +
            formatNumber(inspection.rate, 6) + " Hz, " + formatNumber(inspection.duration, 6) + " s; " +
            describeDrive(inspection.swept);
 }
@@ -118,16 +119,24 @@ void addOrderPlots(const Inspection& inspection, HtmlReport& page) {
     }
 }
 
-void addSpectra(const Inspection& inspection, const Recording& recording, HtmlReport& page) {
+/// Means over neighbouring frequencies.
+Spectrum thinOut(const Spectrum& spectrum) {
+    const Eigen::Index group = std::max<Eigen::Index>(1, spectrum.density.size() / report_lines),
+                       lines = spectrum.density.size() / group;
+    Spectrum thin{Eigen::VectorXd(lines), Eigen::VectorXd(lines)};
+    for (Eigen::Index i = 0; i < lines; ++i) {
+        thin.frequency[i] = spectrum.frequency.segment(i * group, group).mean();
+        thin.density[i] = spectrum.density.segment(i * group, group).mean();
+    }
+    return thin;
+}
+
+void addSpectra(const Inspection& inspection, HtmlReport& page) {
     for (const auto& [unit, members] : groupByUnit(inspection)) {
         Plot plot{"Spectral density", "frequency [Hz]", "log10 of density [" + unit + "²/Hz]", {}, false};
         for (const std::size_t i : members) {
-            const Channel& channel = recording.channels[i];
-            const Spectrum spectrum =
-                calcSpectrum(Eigen::Map<const Eigen::VectorXd>(channel.values.data(),
-                                                               static_cast<Eigen::Index>(channel.values.size())),
-                             recording.sampleInterval(), report_segment);
-            Series series{channel.name, {}, {}};
+            const Spectrum spectrum = thinOut(inspection.channels[i].spectrum);
+            Series series{inspection.channels[i].name, {}, {}};
             for (Eigen::Index k = 1; k < spectrum.frequency.size(); ++k) {
                 series.x.push_back(spectrum.frequency[k]);
                 series.y.push_back(std::log10(spectrum.density[k]));
@@ -140,10 +149,11 @@ void addSpectra(const Inspection& inspection, const Recording& recording, HtmlRe
 
 }  // namespace
 
-std::string formatInspection(const Inspection& inspection, const Recording& recording) {
+std::string formatInspection(const Inspection& inspection, const Recording& recording, TextStyle style) {
     std::ostringstream text;
-    text << describeRecording(inspection, recording) << "\n\n" << makeTable(inspection).format() << "\n";
-    for (const auto& line : makeSentences(inspection, recording)) text << line << "\n";
+    text << describeRecording(inspection, recording) << "\n\n" << makeTable(inspection).format(style) << "\n";
+    for (const auto& line : makeSentences(inspection, recording))
+        text << (line.rfind("Suspicious", 0) == 0 ? paint(line, Colour::yellow, style) : line) << "\n";
     text << "\n";
     return text.str();
 }
@@ -158,7 +168,7 @@ void InspectReport::add(const Inspection& inspection, const Recording& recording
     page_->addTable(table.header(), table.rows());
     for (const auto& line : makeSentences(inspection, recording)) page_->addText(line);
     if (!inspection.orders.tracks.empty()) addOrderPlots(inspection, *page_);
-    addSpectra(inspection, recording, *page_);
+    addSpectra(inspection, *page_);
 }
 
 void InspectReport::write(const std::string& file) const {

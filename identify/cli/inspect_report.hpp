@@ -6,6 +6,7 @@
 #include <string>
 
 #include "identify/inspect/inspection.hpp"
+#include "models/terminal.hpp"
 
 namespace wems {
 class HtmlReport;
@@ -14,7 +15,7 @@ class HtmlReport;
 namespace wems::identify::cli {
 
 /// Tables and sentences for the terminal.
-std::string formatInspection(const Inspection& inspection, const Recording& recording);
+std::string formatInspection(const Inspection& inspection, const Recording& recording, TextStyle style);
 
 /// One page for all recordings: tables, levels against frequency, phase along the sweep.
 class InspectReport {

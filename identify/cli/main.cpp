@@ -7,6 +7,7 @@
 #endif
 
 #include "identify/cli/command.hpp"
+#include "models/command_line/completion.hpp"
 #include "models/error.hpp"
 
 namespace {
@@ -25,9 +26,11 @@ void keepFreedMemory() {
 int main(int argc, char** argv) {
     keepFreedMemory();
     CLI::App app{"Identify mounts with elastomers and stops from recordings."};
-    app.name("identify");
+    app.name(wems::programName(argv[0]));
     app.require_subcommand(1);
     app.set_help_all_flag("--help-all", "help of every command");
+    app.set_version_flag("--version", "wems identify " WEMS_VERSION);
+    wems::addCompletionOption(app);
     int exit_status = 0;
     wems::identify::cli::addRigidityCommand(app, exit_status);
     wems::identify::cli::addFitCommand(app, exit_status);

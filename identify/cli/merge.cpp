@@ -13,13 +13,14 @@
 namespace wems::identify::cli {
 namespace {
 
-struct Options {
+struct MergeCommandOptions {
     std::vector<std::string> inputs, maps;
     std::string output;
     MergeOptions merge;
+    bool quiet = false;
 };
 
-void run(const Options& options) {
+void runMerge(const MergeCommandOptions& options) {
     if (!options.maps.empty() && options.maps.size() != 1 && options.maps.size() != options.inputs.size())
         throw InputError({"", 0, "--columns"}, "there are " + std::to_string(options.maps.size()) + " column maps",
                          "one for all recordings, or one for each");
@@ -32,8 +33,9 @@ void run(const Options& options) {
     const Recording merged = merge(recordings, options.merge);
     for (const Recording& recording : recordings)
         for (const auto& warning : recording.warnings) std::cerr << recording.file << ": " << warning << "\n";
-    for (const auto& note : merged.warnings) std::cout << note << "\n";
     for (const auto& note : writeRecording(merged, options.output)) std::cerr << "identify: " << note << "\n";
+    if (options.quiet) return;
+    for (const auto& note : merged.warnings) std::cout << note << "\n";
     std::cout << options.output << ": " << merged.channels.size() << " channels, " << merged.sampleCount()
               << " samples at " << formatNumber(1 / merged.sampleInterval(), 6) << " Hz from "
               << formatNumber(merged.time.front(), 6) << " s\n";
@@ -43,7 +45,7 @@ void run(const Options& options) {
 
 void addMergeCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("merge", "Put recordings of one run by several systems together");
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<MergeCommandOptions>();
     command->add_option("recordings", options->inputs, "recordings; the clock of the first one counts")
         ->required()
         ->expected(2, 64);
@@ -52,8 +54,9 @@ void addMergeCommand(CLI::App& app, int& /*exit_status*/) {
                         "channel that all have, such as load.fz: aligns them by correlation; absent: stamps are right");
     command->add_option("--rate", options->merge.rate, "Hz; absent: the lowest of all")->check(CLI::PositiveNumber);
     command->add_option("--columns", options->maps, "column map for all recordings, or one for each")->expected(1, 64);
+    addQuietOption(*command, options->quiet);
     command->footer("Example:\n  identify merge shaker.csv cameras.trc -o run.csv --common fixed.1.z");
-    command->callback([options] { run(*options); });
+    command->callback([options] { runMerge(*options); });
 }
 
 }  // namespace wems::identify::cli

@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -10,7 +12,12 @@ namespace wems::identify::cli {
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
     command.add_option("--json", options.json_file, "write the result as JSON to FILE (- for standard output)");
     command.add_option("--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
+    addQuietOption(command, options.quiet);
     command.add_option("--columns", options.column_map, "TOML that maps your column names to channel names");
+}
+
+void addQuietOption(CLI::App& command, bool& quiet) {
+    command.add_flag("-q,--quiet", quiet, "no progress and no text on standard output");
 }
 
 void addGeometryOption(CLI::App& command, CommonOptions& options) {
@@ -18,11 +25,23 @@ void addGeometryOption(CLI::App& command, CommonOptions& options) {
                        "TOML with [[marker]] and [[accelerometer]]: sensors that are not at the connections");
 }
 
+TextStyle outputStyle() {
+    return styleOf(STDOUT_FILENO);
+}
+
 std::string formatNumber(double value, int digits) {
     if (!std::isfinite(value)) return "-";
     char buffer[40];
     std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
     return buffer;
+}
+
+std::string formatPercent(double share) {
+    return std::isfinite(share) ? formatNumber(100 * share, 3) + " %" : std::string("-");
+}
+
+nlohmann::json numberOrNull(double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
 
 void writeJson(const nlohmann::json& result, const CommonOptions& options) {

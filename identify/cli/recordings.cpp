@@ -41,6 +41,19 @@ void checkConnections(Recording& recording, const MountModel& model) {
     for (const Finding& finding : checkAgainstModel(recording, model)) recording.warnings.push_back(finding.message);
 }
 
+void keepOnly(const std::string& use, Recording& recording) {
+    if (use == "all") return;
+    const Derivative kept = use == "accelerations" ? Derivative::acceleration : Derivative::displacement;
+    auto& channels = recording.channels;
+    channels.erase(std::remove_if(channels.begin(), channels.end(),
+                                  [&](const Channel& channel) {
+                                      const auto name = parseChannelName(channel.name);
+                                      return name && (name->part == Part::mobile || name->part == Part::fixed) &&
+                                             name->derivative != kept;
+                                  }),
+                   channels.end());
+}
+
 std::vector<Recording> readDeviceRecordings(const std::vector<std::string>& files, const std::string& column_map,
                                             const MountModel& model) {
     const std::optional<ColumnMap> map = readDeviceMap(column_map, model);

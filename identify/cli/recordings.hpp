@@ -24,6 +24,9 @@ MountModel readDeviceModel(const std::string& file, const std::string& geometry)
 /// Connections that are missing, unknown or exchanged join the recording's warnings.
 void checkConnections(Recording& recording, const MountModel& model);
 
+/// Leaves out what `use` does not name of the channels of both parts: `all`, `displacements` or `accelerations` alone.
+void keepOnly(const std::string& use, Recording& recording);
+
 /// Reads recordings of a device and checks their connections against the model's.
 /// @throws InputError as readRecording()
 std::vector<Recording> readDeviceRecordings(const std::vector<std::string>& files, const std::string& column_map,

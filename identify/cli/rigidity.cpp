@@ -4,25 +4,23 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/cli/rigidity_report.hpp"
 #include "models/mount_model.hpp"
+#include "models/progress.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
 namespace {
 
-struct Options {
+struct RigidityOptions {
     std::string recording, model;
     double limit = 0;
     CommonOptions common;
 };
-
-nlohmann::json numberOrNull(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
-}
 
 /// The check over time and swept frequency, some 1000 samples that keep its shape.
 nlohmann::json makeHistory(const Rigidity& rigidity, const RigidityCheck& check) {
@@ -94,19 +92,24 @@ std::vector<std::string> makeSentences(const Rigidity& rigidity, const Recording
     return lines;
 }
 
-void run(const Options& options, bool limited, int& exit_status) {
+void runRigidity(const RigidityOptions& options, bool limited, int& exit_status) {
     const MountModel model = readDeviceModel(options.model, options.common.geometry);
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
+    progress->step("reading " + options.recording);
     const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
+    progress->step("checks");
     const Rigidity rigidity = checkRigidity(recording, model);
+    progress.reset();
     const Table table = makeTable(rigidity);
     const std::vector<std::string> sentences = makeSentences(rigidity, recording);
-    if (options.common.json_file != "-") {
-        std::cout << table.format();
-        for (const std::string& line : sentences) std::cout << line << "\n";
+    if (options.common.printsText()) {
+        std::cout << table.format(outputStyle());
+        for (const std::string& line : sentences)
+            std::cout << (line.rfind("Suspect", 0) == 0 ? paint(line, Colour::yellow, outputStyle()) : line) << "\n";
     }
     writeJson(makeJson(rigidity, recording), options.common);
     if (!options.common.report_file.empty())
-        writeRigidityReport(rigidity, table, sentences, recording.file, options.common.report_file);
+        writeRigidityReport(rigidity, table, sentences, recording, model, options.common.report_file);
     if (!limited) return;
     for (const RigidityCheck& check : rigidity.checks) {
         if (check.max_percent > options.limit) exit_status = 1;
@@ -117,7 +120,7 @@ void run(const Options& options, bool limited, int& exit_status) {
 
 void addRigidityCommand(CLI::App& app, int& exit_status) {
     CLI::App* command = app.add_subcommand("rigidity", "check that each part of a recording moves as a rigid body");
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<RigidityOptions>();
     command->add_option("recording", options->recording, "recording (CSV, MATLAB, UFF 58, OpenSim)")->required();
     command->add_option("--model", options->model, "mount model (TOML)")->required();
     CLI::Option* limit =
@@ -126,7 +129,7 @@ void addRigidityCommand(CLI::App& app, int& exit_status) {
     addCommonOptions(*command, options->common);
     addGeometryOption(*command, options->common);
     command->footer("Example:\n  identify rigidity run.csv --model smallsat.toml --limit 0.5 --json rigidity.json");
-    command->callback([options, limit, &exit_status] { run(*options, limit->count() > 0, exit_status); });
+    command->callback([options, limit, &exit_status] { runRigidity(*options, limit->count() > 0, exit_status); });
 }
 
 }  // namespace wems::identify::cli

@@ -1,13 +1,26 @@
 #include "identify/cli/rigidity_report.hpp"
 
+#include "identify/cli/device_scene.hpp"
+#include "models/error.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
+namespace {
+
+void addMotionIfKnown(HtmlReport& report, const Recording& recording, const MountModel& model) {
+    try {
+        addMotion(report, makeDeviceScene({recording}, model));
+    } catch (const InputError& error) {
+        report.addText(std::string("The device cannot be shown in motion: ") + error.what());
+    }
+}
+
+}  // namespace
 
 void writeRigidityReport(const Rigidity& rigidity, const Table& table, const std::vector<std::string>& sentences,
-                         const std::string& recording, const std::string& file) {
-    HtmlReport report("Rigidity: " + recording);
-    report.addListing(table.format());
+                         const Recording& recording, const MountModel& model, const std::string& file) {
+    HtmlReport report("Rigidity: " + recording.file);
+    report.addTable(table.header(), table.rows());
     for (const std::string& sentence : sentences) report.addText(sentence);
     const auto& hertz = rigidity.swept.hertz;
     const bool over_frequency = rigidity.swept.is_sine;
@@ -25,6 +38,7 @@ void writeRigidityReport(const Rigidity& rigidity, const Table& table, const std
         }
         report.addPlot(plot);
     }
+    addMotionIfKnown(report, recording, model);
     report.write(file);
 }
 

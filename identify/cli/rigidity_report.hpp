@@ -10,9 +10,10 @@
 
 namespace wems::identify::cli {
 
-/// Table, sentences (suspects, notes), and the checks over time and swept frequency. @throws InputError if `file`
+/// Table, sentences (suspects, notes), the checks over time and swept frequency, and the device in motion where all six
+/// motions can be recovered. @throws InputError if `file`
 /// cannot be written.
 void writeRigidityReport(const Rigidity& rigidity, const Table& table, const std::vector<std::string>& sentences,
-                         const std::string& recording, const std::string& file);
+                         const Recording& recording, const MountModel& model, const std::string& file);
 
 }  // namespace wems::identify::cli

@@ -14,18 +14,13 @@
 namespace wems::identify::cli {
 namespace {
 
-struct Options {
+struct SingleAxisCommandOptions {
     CommonOptions common;
     SingleAxisOptions method;
     std::string recording, model, output, axis = "z", candidates, acceleration = "centre";
     std::vector<double> window;
     int samples = 2000;
 };
-
-/// JSON has no infinity.
-nlohmann::json numberOrNull(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-}
 
 nlohmann::json makeJson(const SingleAxisResult& result, int samples) {
     auto terms = nlohmann::json::array(), curves = nlohmann::json::array();
@@ -94,7 +89,7 @@ void writeReport(const SingleAxisResult& result, const std::string& recording, c
     page.write(file);
 }
 
-void run(Options options) {
+void runSingleAxis(SingleAxisCommandOptions options) {
     const std::string axes = "xyz";
     SingleAxisOptions& method = options.method;
     method.axis = static_cast<int>(axes.find(options.axis));
@@ -118,8 +113,8 @@ void run(Options options) {
     SingleAxisResult result = identifySingleAxis(recording, model, method);
     result.notes.insert(result.notes.begin(), recording.warnings.begin(), recording.warnings.end());
     if (!options.output.empty()) writeMountModel(result.model, options.output);
-    if (options.common.json_file != "-") {
-        std::cout << makeTable(result).format() << describeSingularValues(result) << "\n"
+    if (options.common.printsText()) {
+        std::cout << makeTable(result).format(outputStyle()) << describeSingularValues(result) << "\n"
                   << describeResidual(result) << "\n";
         for (const auto& note : result.notes) std::cout << "note: " << note << "\n";
     }
@@ -132,7 +127,7 @@ void run(Options options) {
 void addSingleAxisCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command =
         app.add_subcommand("single-axis", "Classical one-axis regression with truncated SVD, to compare with `fit`");
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<SingleAxisCommandOptions>();
     command->add_option("recording", options->recording, "recording of the device (CSV)")->required();
     command->add_option("--model", options->model, "mount model: mass, clearances, values to hold (TOML)")->required();
     command->add_option("--axis", options->axis, "axis of Newton's equation (default z)")
@@ -160,7 +155,7 @@ void addSingleAxisCommand(CLI::App& app, int& /*exit_status*/) {
         "Example, elastomers at a low level, then the stops at a high one:\n"
         "  identify single-axis low.csv --model mount.toml --axis z -o linear.toml\n"
         "  identify single-axis high.csv --model linear.toml --axis z --hold-elastomers --json stops.json");
-    command->callback([options] { run(*options); });
+    command->callback([options] { runSingleAxis(*options); });
 }
 
 }  // namespace wems::identify::cli

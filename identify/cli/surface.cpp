@@ -88,13 +88,13 @@ void printResult(const ComponentData& data, const SurfaceKind& kind) {
               << " mm\n";
     std::cout << "kind: " << kind.name << (data.qualitative ? " (qualitative)" : "") << ". " << kind.statement
               << "\n\n";
-    std::cout << tabulateParameters(kind.parameters).format() << "\n";
+    std::cout << tabulateParameters(kind.parameters).format(outputStyle()) << "\n";
     Table laws({"law tried", "residual", "criterion"});
     for (const auto& c : kind.candidates)
         laws.addRow({c.name, formatNumber(100 * c.fraction, 3) + " %", formatNumber(c.information, 5)});
     if (std::isfinite(kind.history_fraction))
         laws.addRow({"travel since the reversal", formatNumber(100 * kind.history_fraction, 3) + " %", "-"});
-    std::cout << laws.format();
+    std::cout << laws.format(outputStyle());
     for (const auto& note : data.notes) std::cout << "note: " << note << "\n";
     if (data.qualitative)
         std::cout << "note: other connections act on the same body, so that mass times acceleration is not this "
@@ -119,13 +119,13 @@ nlohmann::json reportFriction(const ComponentData& data, const std::vector<Compo
     }
     if (!print) return result;
     std::cout << "\nfriction element along the recorded motion, with presliding and gap:\n"
-              << tabulateParameters(fits[1].parameters).format() << "\n";
+              << tabulateParameters(fits[1].parameters).format(outputStyle()) << "\n";
     errors.addRow(
         {data.file + " (fitted)", formatNumber(fits[0].relative_error, 3), formatNumber(fits[1].relative_error, 3)});
     for (const auto& other : others)
         errors.addRow({other.file, formatNumber(calcRelativeError(fits[0].law, other), 3),
                        formatNumber(calcRelativeError(fits[1].law, other), 3)});
-    std::cout << errors.format();
+    std::cout << errors.format(outputStyle());
     return result;
 }
 
@@ -146,7 +146,7 @@ void runSurface(const SurfaceOptions& options, const CLI::App& command) {
     std::vector<ComponentData> others;
     for (const auto& file : options.validation)
         others.push_back(extractComponent(readRecording(file, map ? &*map : nullptr), component));
-    const bool print = options.common.json_file != "-";
+    const bool print = options.common.printsText();
     if (print) {
         for (const auto& warning : recording.warnings) std::cout << "warning: " << warning << "\n";
         printResult(data, kind);

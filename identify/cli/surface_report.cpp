@@ -27,7 +27,8 @@ void writeSurfaceReport(const ComponentData& data, const SurfaceKind& kind, cons
     report.addText("Connection " + data.connection + ", axis " + "xyz"[data.axis] + ": " + kind.name + ". " +
                    kind.statement);
     if (data.qualitative) report.addText("Qualitative: other connections act on the same body.");
-    report.addListing(tabulateParameters(kind.parameters).format());
+    const Table parameters = tabulateParameters(kind.parameters);
+    report.addTable(parameters.header(), parameters.rows());
     report.addPlot(
         {"Force over displacement", "displacement [mm]", "force [N]", {{"force", displacement, force}}, true});
     const SurfaceSlice stiffness = sliceStiffness(data, cells), damping = sliceDamping(data, cells);

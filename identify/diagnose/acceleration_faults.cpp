@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/diagnose/fault_limits.hpp"
 #include "identify/diagnose/smoothing_kernel.hpp"
+#include "models/axis_names.hpp"
 #include "models/bryant.hpp"
 
 namespace wems::identify {
@@ -12,11 +14,9 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr const char* kAxes[3] = {"x", "y", "z"};
-constexpr double kPass = 55.0, kStop = 110.0, kRate = 400.0;  // Hz
-constexpr double kLeastGain = 60.0, kLeastShare = 0.5;
-constexpr double kAttenuation = 0.2;  // how well the noise of the predictions is known
-constexpr double kScatters = 6.0, kLeastDelay = 2e-5, kLeastRotation = 4e-3;  // -, s, rad
+constexpr double kAccelerationPass = 55.0, kAccelerationStop = 110.0, kAccelerationRate = 400.0;  // Hz
+constexpr double kLeastTriaxShare = 0.5;  // of what exceeds the noise
+constexpr double kAttenuation = 0.2;      // how well the noise of the predictions is known
 
 /// Sums over the samples of one triax: predicted accelerations and their rates z (6), misfit d (3).
 struct TriaxMoments {
@@ -46,8 +46,8 @@ bool addRun(const Recording& recording, const RunMotion& motion, const PartMotio
     }
     for (Eigen::Index k = 0; k < samples; ++k)
         point.col(k) = part.p.col(k) + rotationFromVector(part.theta.col(k)) * position;
-    const SmoothingKernel kernel(motion.interval, kPass, kStop);
-    const int step = std::max(1, static_cast<int>(1 / motion.interval / kRate));
+    const SmoothingKernel kernel(motion.interval, kAccelerationPass, kAccelerationStop);
+    const int step = std::max(1, static_cast<int>(1 / motion.interval / kAccelerationRate));
     const double interval = step * motion.interval;
     const Eigen::MatrixXd s = kernel.apply(point, 2, step), y = kernel.apply(measured, 0, step);
     const auto margin = static_cast<Eigen::Index>(2 + 2 * kernel.halfWidth() / step);
@@ -70,18 +70,18 @@ bool addRun(const Recording& recording, const RunMotion& motion, const PartMotio
             moments.misfit(a, a) += power;
         }
     }
-    moments.independent += static_cast<double>(s.cols()) * interval * 2 * kPass;
+    moments.independent += static_cast<double>(s.cols()) * interval * 2 * kAccelerationPass;
     return true;
 }
 
-struct Hypothesis {
+struct TriaxHypothesis {
     std::string cause, channel;
     std::vector<Eigen::Matrix<double, 3, 6>> maps;
 };
 
-std::vector<Hypothesis> listHypotheses(const std::string& triad) {
-    std::vector<Hypothesis> list;
-    Hypothesis turned{"sensor_misalignment", triad + ".a", {}};
+std::vector<TriaxHypothesis> listHypotheses(const std::string& triad) {
+    std::vector<TriaxHypothesis> list;
+    TriaxHypothesis turned{"sensor_misalignment", triad + ".a", {}};
     for (int a = 0; a < 3; ++a) {
         Eigen::Matrix<double, 3, 6> gain = Eigen::Matrix<double, 3, 6>::Zero(), delay = gain, turn = gain;
         gain(a, a) = 1;
@@ -150,7 +150,7 @@ void testTriax(const TriaxMoments& moments, const std::string& triad, double gai
             chosen.rotation_error = errors.maxCoeff();
         }
     }
-    if (best > std::max(kLeastGain, kLeastShare * explainable)) faults.push_back(chosen);
+    if (best > std::max(kLeastFaultGain, kLeastTriaxShare * explainable)) faults.push_back(chosen);
 }
 
 }  // namespace

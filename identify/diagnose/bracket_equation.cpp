@@ -7,11 +7,11 @@
 
 #include "identify/diagnose/mount_equation.hpp"
 #include "models/load_gain.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr double kPadding = 10.0;  // s for the response to die out
 
 }  // namespace

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <limits>
 
+#include "models/axis_names.hpp"
 #include "models/parameter_access.hpp"
 
 namespace wems::identify {
 namespace {
 
-constexpr const char* kAxes[3] = {"x", "y", "z"};
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Places of elastomers: each axis alone, those along one mount axis together, the lateral ones, all.

@@ -10,8 +10,7 @@
 namespace wems::identify {
 namespace {
 
-constexpr double kConvincing = 4.0;  // excess without a cause over that with it, where much is left unexplained
-constexpr double kDoubtful = 0.4;
+constexpr double kConvincing = 4.0;    // excess without a cause over that with it, where much is left unexplained
 constexpr double kSystematic = 0.002;  // of a value: calibration, smoothing, sampling; half of a 95 % interval
 constexpr double kCertain = 0.999;
 constexpr double kLargestGain = 120.0;  // dB

@@ -10,6 +10,8 @@
 
 namespace wems::identify {
 
+inline constexpr double kDoubtful = 0.4;  ///< probability of a cause that is not named
+
 /// Candidates of the same cause at several places become one. Sorted by falling gain.
 /// @param errors_without validation error of the free simulation without each accepted candidate
 /// @param unexplained a significant part is left: only causes that take away most by themselves keep a probability

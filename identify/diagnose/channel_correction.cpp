@@ -6,12 +6,11 @@
 #include <cmath>
 #include <string>
 
+#include "models/axis_names.hpp"
 #include "models/bryant.hpp"
 
 namespace wems::identify {
 namespace {
-
-constexpr const char* kAxes[3] = {"x", "y", "z"};
 
 /// Values at times later by `delay` (s).
 std::vector<double> advance(const std::vector<double>& values, double delay, double interval) {

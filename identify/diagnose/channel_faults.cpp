@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "identify/diagnose/channel_correction.hpp"
+#include "identify/diagnose/fault_limits.hpp"
 #include "identify/diagnose/smoothing_kernel.hpp"
 #include "identify/motion/motion.hpp"
 #include "identify/motion/rigid_fit.hpp"
@@ -13,12 +14,8 @@ namespace wems::identify {
 namespace {
 
 constexpr int kMostFaults = 4;
-constexpr double kLeastGain = 60.0;                            // decrease of the misfit in units of its noise
-constexpr double kLeastShare = 0.25;                           // of what exceeds the noise
-constexpr double kScatters = 6.0;                              // a gain fault is beyond this many scatters
-constexpr double kLeastDelay = 2e-5;                           // s
-constexpr double kLeastRotation = 4e-3;                        // rad
-constexpr double kPass = 110.0, kStop = 200.0, kRate = 500.0;  // Hz
+constexpr double kLeastShare = 0.25;                                                // of what exceeds the noise
+constexpr double kChannelPass = 110.0, kChannelStop = 200.0, kChannelRate = 500.0;  // Hz
 
 /// Sums over all samples of all recordings: z = (s, s') of the m channels.
 struct Moments {
@@ -54,9 +51,9 @@ Moments calcMoments(const std::vector<Recording>& recordings, const MountModel& 
         }
         const Eigen::MatrixXd rigid = set.values - residuals;
         raw_interval = recording.sampleInterval();
-        const double nyquist = 0.5 / raw_interval, stop = std::min(kStop, 0.95 * nyquist);
-        const SmoothingKernel kernel(raw_interval, std::min(kPass, 0.55 * stop), stop);
-        const int step = std::max(1, static_cast<int>(1 / raw_interval / kRate));
+        const double nyquist = 0.5 / raw_interval, stop = std::min(kChannelStop, 0.95 * nyquist);
+        const SmoothingKernel kernel(raw_interval, std::min(kChannelPass, 0.55 * stop), stop);
+        const int step = std::max(1, static_cast<int>(1 / raw_interval / kChannelRate));
         step_interval = raw_interval * step;
         const Eigen::MatrixXd e = kernel.apply(residuals, 0, step);
         Eigen::MatrixXd z(2 * set.count(), e.cols());
@@ -91,7 +88,7 @@ Moments calcMoments(const std::vector<Recording>& recordings, const MountModel& 
     return result;
 }
 
-struct Hypothesis {
+struct ChannelHypothesis {
     std::string cause, channel;
     std::vector<Eigen::MatrixXd> maps;  // m x 2m: perturbation of the channels = map · z for a unit of each number
 };
@@ -102,9 +99,9 @@ std::string triadOf(const MarkerChannel& channel) {
     return channel.name.substr(0, dot + 2 < channel.name.size() ? dot + 2 : dot);
 }
 
-std::vector<Hypothesis> listHypotheses(const std::vector<MarkerChannel>& channels) {
+std::vector<ChannelHypothesis> listHypotheses(const std::vector<MarkerChannel>& channels) {
     const auto m = static_cast<Eigen::Index>(channels.size());
-    std::vector<Hypothesis> list;
+    std::vector<ChannelHypothesis> list;
     for (Eigen::Index c = 0; c < m; ++c) {
         const auto& channel = channels[static_cast<std::size_t>(c)];
         Eigen::MatrixXd gain = Eigen::MatrixXd::Zero(m, 2 * m), delay = gain;
@@ -115,9 +112,9 @@ std::vector<Hypothesis> listHypotheses(const std::vector<MarkerChannel>& channel
         if (channel.axis != 0 || c + 2 >= m || channels[static_cast<std::size_t>(c + 2)].axis != 2 ||
             triadOf(channels[static_cast<std::size_t>(c + 2)]) != triadOf(channel))
             continue;
-        Hypothesis turned{"sensor_misalignment", triadOf(channel), {}};
-        Hypothesis late{"sensor_delay", triadOf(channel), {Eigen::MatrixXd::Zero(m, 2 * m)}};
-        Hypothesis scaled{"sensor_gain", triadOf(channel), {Eigen::MatrixXd::Zero(m, 2 * m)}};
+        ChannelHypothesis turned{"sensor_misalignment", triadOf(channel), {}};
+        ChannelHypothesis late{"sensor_delay", triadOf(channel), {Eigen::MatrixXd::Zero(m, 2 * m)}};
+        ChannelHypothesis scaled{"sensor_gain", triadOf(channel), {Eigen::MatrixXd::Zero(m, 2 * m)}};
         for (int r = 0; r < 3; ++r) {
             Eigen::MatrixXd map = Eigen::MatrixXd::Zero(m, 2 * m);
             const int next = (r + 1) % 3, last = (r + 2) % 3;  // e_r × s
@@ -157,7 +154,7 @@ public:
     double misfit() const { return excess_; }
 
     /// Least squares of a hypothesis: gain in misfit, values, standard errors.
-    double test(const Hypothesis& hypothesis, Eigen::VectorXd& values, Eigen::VectorXd& errors) const {
+    double test(const ChannelHypothesis& hypothesis, Eigen::VectorXd& values, Eigen::VectorXd& errors) const {
         const auto count = static_cast<Eigen::Index>(hypothesis.maps.size());
         Eigen::MatrixXd normal(count, count);
         Eigen::VectorXd right(count);
@@ -195,7 +192,7 @@ private:
     double excess_ = 0;
 };
 
-bool isFault(const Hypothesis& hypothesis, const Eigen::VectorXd& values, double gain_scatter) {
+bool isFault(const ChannelHypothesis& hypothesis, const Eigen::VectorXd& values, double gain_scatter) {
     if (hypothesis.cause == "sensor_gain") return std::abs(values[0]) > kScatters * gain_scatter;
     if (hypothesis.cause == "sensor_delay") return std::abs(values[0]) > kLeastDelay;
     return values.norm() > kLeastRotation;
@@ -232,7 +229,7 @@ std::vector<ChannelFault> findOnSide(const std::vector<Recording>& recordings, c
         const Tester tester(moments, gain_scatter);
         const double expected = moments.count * static_cast<double>(moments.channels.size() - 6);
         double best = 0;
-        const Hypothesis* chosen = nullptr;
+        const ChannelHypothesis* chosen = nullptr;
         for (const auto& hypothesis : hypotheses) {
             Eigen::VectorXd values, errors;
             const double gain = tester.test(hypothesis, values, errors) - 30.0 * static_cast<double>(values.size());
@@ -243,7 +240,7 @@ std::vector<ChannelFault> findOnSide(const std::vector<Recording>& recordings, c
         }
         // The smoothed noise has less than its white variance, so what exceeds it is underestimated: cautious.
         const double excess = std::max(0.0, tester.misfit() - 0.6 * expected);
-        if (chosen == nullptr || best < std::max(kLeastGain, kLeastShare * excess)) return faults;
+        if (chosen == nullptr || best < std::max(kLeastFaultGain, kLeastShare * excess)) return faults;
         ChannelFault fault;
         fault.cause = chosen->cause;
         fault.fault.channel = chosen->channel;

@@ -23,9 +23,9 @@ constexpr double kGainScatter = 1e-3;  // ordinary calibration of a channel
 constexpr double kFloors = 1.5;        // the verdict's limits: noise floors …
 constexpr double kLeastError = 0.03;   // … and error
 constexpr int kPasses = 3;
-constexpr double kDoubtful = 0.4;  // probability of a cause that is not named
 constexpr double kNamed = 0.5;
-constexpr double kAlone = 0.9;  // share of the base model's residual that one axis must carry to be the place of all
+constexpr double kAloneInAxis =
+    0.9;  // share of the base model's residual that one axis must carry to be the place of all
 constexpr double kOpenLoopEnough = 1.5;  // misfit per value of a model that is right but cannot be predicted freely
 
 /// Accelerations next to complete displacements serve the consistency of channels; the equations take one kind, so
@@ -218,7 +218,7 @@ private:
         pass_.fit_problem.setReference(model_);
         const auto residual = pass_.fit_problem.calcResidual(model_);
         const auto place = calcPlaceShares(pass_.fit_problem, model_, residual).front();
-        if (place.share < kAlone) return false;
+        if (place.share < kAloneInAxis) return false;
         const auto elsewhere = [&](const Candidate& candidate) {
             return std::any_of(candidate.where.begin(), candidate.where.end(),
                                [&](const std::string& where) { return where.rfind(place.name, 0) != 0; });

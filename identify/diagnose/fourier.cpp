@@ -1,9 +1,9 @@
 #include "identify/diagnose/fourier.hpp"
 
-#include <fftw3.h>
-
 #include <complex>
 #include <vector>
+
+#include "identify/motion/fftw_plan.hpp"
 
 namespace wems::identify {
 namespace {
@@ -15,11 +15,6 @@ int fastSize(int least) {
             while (rest % prime == 0) rest /= prime;
         if (rest == 1) return size;
     }
-}
-
-/// FFTW's own complex type has the layout of std::complex.
-fftw_complex* asFftw(std::complex<double>* data) {
-    return reinterpret_cast<fftw_complex*>(data);
 }
 
 }  // namespace

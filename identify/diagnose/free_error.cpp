@@ -6,13 +6,14 @@
 
 #include "identify/diagnose/fourier.hpp"
 #include "identify/forward/forward_model.hpp"
+#include "models/axis_names.hpp"
 #include "models/bryant.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
 
 constexpr double kPerturbation = 1e-5;
-constexpr const char* kAxes[3] = {"x", "y", "z"};
 
 Eigen::MatrixXd simulate(const RunMotion& run, const MountModel& model) {
     const ForwardModel forward(model);
@@ -39,14 +40,13 @@ bool onlyAccelerations(const RunMotion& run) {
 /// Of one relative displacement. White acceleration noise integrated twice above a frequency f leaves
 /// 2 h σ² / (3 (2π)⁴ f³), of which the rigid fit of `connections` triads lets 2 / connections through.
 double noiseVariance(const RunMotion& run, std::size_t connections) {
-    constexpr double two_pi = 6.283185307179586;
     const auto square = [&](const PartMotion& part) {
         const bool integrated = !part.displacement_measured && part.acceleration_measured;
         const double noise = integrated ? part.acceleration_noise : part.displacement_noise;
         if (!std::isfinite(noise)) return 0.0;
         if (!integrated) return noise * noise;
         const double share = std::min(1.0, 2.0 / static_cast<double>(connections));
-        return share * 2 * run.interval * noise * noise / (3 * std::pow(two_pi, 4) * std::pow(run.trusted_from, 3));
+        return share * 2 * run.interval * noise * noise / (3 * std::pow(kTwoPi, 4) * std::pow(run.trusted_from, 3));
     };
     return square(run.mobile) + square(run.fixed);
 }

@@ -5,11 +5,11 @@
 #include <complex>
 
 #include "identify/diagnose/mount_equation.hpp"
+#include "models/axis_names.hpp"
 
 namespace wems::identify {
 namespace {
 
-constexpr const char* kAxes[3] = {"x", "y", "z"};
 constexpr double kNear = 0.01;       // s around a contact that belong to it
 constexpr double kEnough = 0.7;      // share of the residual that one axis must carry alone
 constexpr double kNoticeable = 0.2;  // share of the connection's that an axis must carry to be named

@@ -6,11 +6,11 @@
 
 #include "models/bryant.hpp"
 #include "models/mount_forces.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kPass = 220.0;          // Hz: the harmonics of contact included, as laws act on the smoothed motion
 constexpr double kStop = 380.0;          // Hz
 constexpr double kLeastRate = 950.0;     // Hz after decimation

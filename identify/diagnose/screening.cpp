@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/diagnose/parallel.hpp"
+#include "identify/motion/parallel.hpp"
 
 namespace wems::identify {
 namespace {

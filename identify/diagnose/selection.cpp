@@ -6,8 +6,8 @@
 #include <set>
 
 #include "identify/diagnose/leftover.hpp"
-#include "identify/diagnose/parallel.hpp"
 #include "identify/diagnose/screening.hpp"
+#include "identify/motion/parallel.hpp"
 
 namespace wems::identify {
 namespace {
@@ -18,7 +18,7 @@ constexpr double kTieFraction = 0.02;
 constexpr double kTieMisfit = 0.01;
 
 /// Where a force along one axis could make this share of the mount's residual, laws elsewhere are not tried …
-constexpr double kAlone = 0.95;
+constexpr double kAloneInEquation = 0.95;
 /// … but for axes that could make nearly as much. The residual must stand out from the noise for that, per value.
 constexpr double kNearlyAsMuch = 0.04;
 constexpr double kStandsOut = 0.5;
@@ -101,7 +101,7 @@ private:
         }
         if (calcMountExcess(identification_, present.residual) < kStandsOut) return catalogue;
         const auto shares = calcPlaceShares(identification_, present.model, present.residual);
-        if (shares.front().share < kAlone) return catalogue;
+        if (shares.front().share < kAloneInEquation) return catalogue;
         keepPossible([&](const std::string& place) {
             const std::string axis = axisOf(place);
             return axis.empty() || std::any_of(shares.begin(), shares.end(), [&](const PlaceShare& share) {

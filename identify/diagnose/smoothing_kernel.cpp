@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/pi.hpp"
+
 namespace wems::identify {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 /// Transition band times length of the kernel: the window's main lobe.
 constexpr double kLobe = 6.0;
 
@@ -14,7 +15,7 @@ constexpr double kLobe = 6.0;
 double calcKernel(double t, double cutoff, double half_length) {
     const double u = t / half_length;
     if (std::abs(u) >= 1) return 0;
-    const double x = 2 * kPi * cutoff * t;
+    const double x = kTwoPi * cutoff * t;
     const double sinc = std::abs(x) < 1e-8 ? 1.0 : std::sin(x) / x;
     const double c = std::cos(0.5 * kPi * u);
     return 2 * cutoff * sinc * c * c * c * c;

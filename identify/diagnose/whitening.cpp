@@ -10,6 +10,7 @@
 #include "identify/diagnose/bracket_equation.hpp"
 #include "identify/diagnose/mount_equation.hpp"
 #include "models/bryant.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
@@ -17,7 +18,6 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Matrix6c = Eigen::Matrix<std::complex<double>, 6, 6>;
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr double kRoot2 = 1.4142135623730951;  // real and imaginary parts share the variance
 constexpr double kLowest = 2.5;                // Hz: below it there is drift and little else
 constexpr double kHighest = 110.0;             // Hz: twice a sweep that ends at 50 Hz

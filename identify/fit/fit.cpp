@@ -7,28 +7,22 @@
 #include <optional>
 
 #include "identify/fit/fit_report.hpp"
+#include "identify/fit/run_equations.hpp"
 #include "identify/fit/slow_offset.hpp"
 #include "identify/fit/stopwatch.hpp"
+#include "identify/motion/parallel.hpp"
 #include "models/error.hpp"
 
 namespace wems::identify {
 namespace {
 
-/// Width of the test function: displacements alone need more smoothing since their second derivative is taken.
-int chooseKnotSamples(const RunMotion& run, const FitOptions& options) {
-    constexpr double with_accelerations = 0.5e-3, without = 2.5e-3;  // s
-    const double time = options.knot_time > 0              ? options.knot_time
-                        : run.mobile.acceleration_measured ? with_accelerations
-                                                           : without;
-    return std::max(1, static_cast<int>(std::lround(time / run.interval)));
-}
-
-RunEquations makeRunEquations(const RunMotion& run, const MountModel& model, const FitOptions& options) {
-    const TestFunction test_function(chooseKnotSamples(run, options), run.interval);
-    if (test_function.outputCount(static_cast<int>(run.time.size())) < 50)
-        throw InputError({run.file, 0, ""}, "too short for a fit: " + std::to_string(run.time.size()) + " samples",
-                         "at least " + std::to_string(50 * test_function.stride() + 2 * test_function.half()));
-    return makeEquations(run, model, test_function, !options.free_body.empty());
+std::vector<RunEquations> makeAllEquations(const std::vector<RunMotion>& runs, const MountModel& model,
+                                           const FitOptions& options) {
+    std::vector<std::optional<RunEquations>> pieces(runs.size());
+    runParallel(runs.size(), [&](std::size_t r) { pieces[r] = makeRunEquations(runs[r], model, options); });
+    std::vector<RunEquations> equations;
+    for (auto& piece : pieces) equations.push_back(std::move(*piece));
+    return equations;
 }
 
 /// Takes out stops whose stiffness is not significantly different from zero: they were not reached.
@@ -93,9 +87,7 @@ std::vector<RunMotion> recoverSlowMotion(std::vector<RunMotion> runs, const Moun
     double change = 0;
     int pass = 0;
     do {
-        std::vector<RunEquations> equations;
-        for (const RunMotion& run : runs) equations.push_back(makeRunEquations(run, model, options));
-        NormalEquations normal_equations(std::move(equations));
+        NormalEquations normal_equations(makeAllEquations(runs, model, options));
         Solver solver(runs, normal_equations, parameters, model);
         solver.run();
         change = updateSlowMotion(runs, before ? extrapolate(solver.model(), *before, parameters) : solver.model());
@@ -123,10 +115,8 @@ FitResult fitMount(const std::vector<RunMotion>& measured, const MountModel& mod
     }
     const std::vector<RunMotion>& runs = recovered.empty() ? measured : recovered;
     const std::vector<Parameter> parameters = makeParameters(model, options.free_body);
-    std::vector<RunEquations> equations;
-    for (const RunMotion& run : runs) equations.push_back(makeRunEquations(run, model, options));
+    NormalEquations normal_equations(makeAllEquations(runs, model, options));
     watch.lap("equations of motion");
-    NormalEquations normal_equations(std::move(equations));
     Solver solver(runs, normal_equations, parameters, model);
     solver.run();
     watch.lap("least squares");

@@ -3,8 +3,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 #include "identify/fit/student.hpp"
+#include "identify/motion/parallel.hpp"
 
 namespace wems::identify {
 namespace {
@@ -46,30 +49,44 @@ void colour(RowMatrix& sensitivity, int equation, const Autoregression& model) {
     for (Eigen::Index n = 0; n < outputs; ++n) sensitivity.row(6 * n + equation) *= model.innovation;
 }
 
+/// Scores JᵀWr of one run: their sums over blocks, and the covariance that the residual's autocorrelation gives them.
+struct RunScores {
+    std::vector<Eigen::VectorXd> blocks;
+    Eigen::MatrixXd covariance;
+};
+
+RunScores calcRunScores(const Solver& solver, const LinearSystem& system, std::size_t run) {
+    RunScores scores;
+    RowMatrix sensitivity = solver.calcSensitivity(run, system);
+    const Eigen::VectorXd residual = solver.calcResidual(run);
+    const Eigen::Index outputs = residual.size() / 6;
+    const Eigen::Index length = std::max<Eigen::Index>(2 * kOrder, (outputs + kBlocksPerRun - 1) / kBlocksPerRun);
+    for (Eigen::Index start = 0; start < outputs; start += length) {
+        const Eigen::Index rows = 6 * std::min(length, outputs - start);
+        scores.blocks.emplace_back(sensitivity.middleRows(6 * start, rows).transpose() *
+                                   residual.segment(6 * start, rows));
+    }
+    for (int e = 0; e < 6; ++e)
+        colour(sensitivity, e,
+               fitAutoregression(
+                   Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<6>>(residual.data() + e, outputs)));
+    scores.covariance = sensitivity.transpose() * sensitivity;
+    return scores;
+}
+
 }  // namespace
 
 ParameterUncertainty::ParameterUncertainty(const Solver& solver, const LinearSystem& system) {
     const auto count = static_cast<Eigen::Index>(system.parameters.size());
     Eigen::MatrixXd middle = Solver::kPriorWeight * Eigen::MatrixXd::Identity(count, count);
+    std::vector<RunScores> pieces(solver.runCount());
+    runParallel(pieces.size(), [&](std::size_t r) { pieces[r] = calcRunScores(solver, system, r); });
     std::vector<Eigen::VectorXd> scores;
-    const std::size_t runs = solver.runCount();
-    for (std::size_t r = 0; r < runs; ++r) {
-        RowMatrix sensitivity = solver.calcSensitivity(r, system);
-        const Eigen::VectorXd residual = solver.calcResidual(r);
-        const Eigen::Index outputs = residual.size() / 6;
-        const Eigen::Index length = std::max<Eigen::Index>(2 * kOrder, (outputs + kBlocksPerRun - 1) / kBlocksPerRun);
-        for (Eigen::Index start = 0; start < outputs; start += length) {
-            const Eigen::Index rows = 6 * std::min(length, outputs - start);
-            scores.emplace_back(sensitivity.middleRows(6 * start, rows).transpose() *
-                                residual.segment(6 * start, rows));
-        }
-        for (int e = 0; e < 6; ++e)
-            colour(sensitivity, e,
-                   fitAutoregression(
-                       Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<6>>(residual.data() + e, outputs)));
-        middle.selfadjointView<Eigen::Lower>().rankUpdate(sensitivity.transpose());
+    for (auto& piece : pieces) {
+        middle += piece.covariance;
+        std::move(piece.blocks.begin(), piece.blocks.end(), std::back_inserter(scores));
     }
-    stationary_ = system.inverse * middle.selfadjointView<Eigen::Lower>() * system.inverse + system.open;
+    stationary_ = system.inverse * middle * system.inverse + system.open;
     influences_.resize(count, static_cast<Eigen::Index>(scores.size()));
     for (std::size_t b = 0; b < scores.size(); ++b)
         influences_.col(static_cast<Eigen::Index>(b)) = system.inverse * scores[b];

@@ -107,4 +107,12 @@ LawHistory calcLawHistory(const MountModel& model, const RelativeHistory& relati
     return history;
 }
 
+RowMatrix calcForceHistory(const MountModel& model, const RelativeHistory& relative, const std::vector<double>& time) {
+    RowMatrix force(relative.q.rows(), relative.q.cols());
+    Eigen::Index column = 0;
+    for (const auto& connection : model.connections)
+        for (const auto& law : connection.axis) fillHistory(law, column++, relative, time, force);
+    return force;
+}
+
 }  // namespace wems::identify

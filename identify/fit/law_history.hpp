@@ -33,4 +33,7 @@ struct LawHistory {
 /// Internal states follow the measured displacement, linear between samples, relaxed at the first one.
 LawHistory calcLawHistory(const MountModel& model, const RelativeHistory& relative, const std::vector<double>& time);
 
+/// The model's whole force of each axis (sign of q) along the measured motion, N; internal states as above.
+RowMatrix calcForceHistory(const MountModel& model, const RelativeHistory& relative, const std::vector<double>& time);
+
 }  // namespace wems::identify

@@ -1,16 +1,15 @@
 #include "identify/fit/parameter_set.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "models/axis_names.hpp"
 #include "models/error.hpp"
 #include "models/parameter_access.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
-
-constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
 
 const AxisLaw& lawOf(const MountModel& model, int connection, int axis) {
     return model.connections.at(static_cast<std::size_t>(connection)).axis.at(static_cast<std::size_t>(axis));
@@ -27,8 +26,7 @@ void addBodyParameters(const std::string& wanted, std::vector<Parameter>& parame
         if (!there) parameters.push_back({kind, name, parameterUnit(name), -1, index, -1});
     };
     for (int j = 0; j < 3; ++j)
-        addIf(ParameterKind::center_of_gravity, "body.center_of_gravity", axis_names.at(static_cast<std::size_t>(j)),
-              j);
+        addIf(ParameterKind::center_of_gravity, "body.center_of_gravity", kAxes[j], j);
     for (int j = 0; j < 6; ++j) addIf(ParameterKind::inertia, "body.inertia", kInertiaNames[j], j);
     if (found) return;
     if (wanted == "body.mass")
@@ -42,14 +40,14 @@ void addBodyParameters(const std::string& wanted, std::vector<Parameter>& parame
 /// Damping that a lightly damped elastomer would have: what a dashpot without a model value is measured against.
 double referenceDamping(double stiffness) {
     constexpr double damping_ratio = 0.01, frequency = 30;  // -, Hz
-    return 2 * damping_ratio * stiffness / (2 * M_PI * frequency);
+    return 2 * damping_ratio * stiffness / (kTwoPi * frequency);
 }
 
 }  // namespace
 
 std::string formatAxisName(const MountModel& model, int connection, int axis) {
     return model.connections.at(static_cast<std::size_t>(connection)).name + "." +
-           axis_names.at(static_cast<std::size_t>(axis));
+           kAxes[axis];
 }
 
 std::vector<Parameter> makeParameters(const MountModel& model, const std::vector<std::string>& free_body) {

@@ -7,6 +7,7 @@
 #include <complex>
 
 #include "models/bryant.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
@@ -22,7 +23,7 @@ Eigen::Matrix3d integrateTransfers(const RunMotion& motion, const PartMotion& pa
     const double nyquist = 0.5 / motion.interval, step = nyquist / points;
     Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
     for (int n = 0; n < points; ++n) {
-        const double frequency = (n + 0.5) * step, omega = 2 * M_PI * frequency;
+        const double frequency = (n + 0.5) * step, omega = kTwoPi * frequency;
         const complex<double> derivative(0, omega);
         const double smooth = test_function.response(frequency);
         std::array<complex<double>, 3> transfer{};

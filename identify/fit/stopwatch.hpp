@@ -18,6 +18,8 @@ public:
         laps_.emplace_back(name, std::chrono::duration<double>(now - last_).count());
         last_ = now;
     }
+    /// The next step begins now.
+    void restart() { last_ = std::chrono::steady_clock::now(); }
 
 private:
     std::vector<std::pair<std::string, double>>& laps_;

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "models/pi.hpp"
+
 namespace wems::identify {
 namespace {
 
@@ -41,7 +43,7 @@ int TestFunction::outputCount(int samples) const {
 }
 
 double TestFunction::response(double frequency) const {
-    const double x = M_PI * frequency * knot_samples_ * interval_;
+    const double x = kPi * frequency * knot_samples_ * interval_;
     return std::abs(x) < 1e-9 ? 1.0 : std::pow(std::sin(x) / x, 6);
 }
 

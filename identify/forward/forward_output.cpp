@@ -66,9 +66,9 @@ Bracket::FrameAcceleration ForwardModel::calcFrameAcceleration(const double* y, 
     if (drive.prescribesMotion()) return drive.calcFrameAcceleration(half);
     const Eigen::Index modes = modeCount();
     if (modes == 0) return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-    using ConstMap = Eigen::Map<const Eigen::VectorXd>;
-    return bracket_.calcAcceleration(ConstMap(y + at_modes, modes), ConstMap(y + at_modes + modes, modes),
-                                     ConstMap(rates + at_modes + modes, modes));
+    using StateMap = Eigen::Map<const Eigen::VectorXd>;
+    return bracket_.calcAcceleration(StateMap(y + at_modes, modes), StateMap(y + at_modes + modes, modes),
+                                     StateMap(rates + at_modes + modes, modes));
 }
 
 double ForwardModel::calcEnergy(const Simulation& simulation, const Drive& drive, int column) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "models/bryant.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
@@ -66,7 +67,7 @@ FastestRates calcFastestRates(const MountModel& model) {
     }
     for (Eigen::Index j = 0; j < modes; ++j) {
         const BracketMode& mode = model.bracket[static_cast<std::size_t>(j)];
-        const double omega = 2 * M_PI * mode.frequency;
+        const double omega = kTwoPi * mode.frequency;
         stiffness(6 + j, 6 + j) += omega * omega;
         damping(6 + j, 6 + j) += 2 * mode.damping_ratio * omega;
     }

@@ -7,6 +7,7 @@
 #include "identify/motion/channel_set.hpp"
 #include "identify/motion/rigid_fit.hpp"
 #include "models/error.hpp"
+#include "models/format_number.hpp"
 
 namespace wems::identify {
 namespace {
@@ -32,12 +33,6 @@ const char* describe(Derivative derivative) {
     return "force";
 }
 
-std::string join(const std::vector<std::string>& items) {
-    std::string text;
-    for (const auto& item : items) text += (text.empty() ? "" : ", ") + item;
-    return text;
-}
-
 void describePart(const Recording& recording, const MountModel* model, Part part, std::vector<std::string>& lines) {
     const std::string name = part == Part::mobile ? "mobile part" : "fixed part";
     for (const auto derivative : {Derivative::displacement, Derivative::velocity, Derivative::acceleration}) {
@@ -54,7 +49,7 @@ void describePart(const Recording& recording, const MountModel* model, Part part
                             ? ", which determine all six motions" +
                                   (fit.redundancy() > 0 ? " with " + std::to_string(fit.redundancy()) + " to spare"
                                                         : std::string(", none to spare: no fault of a channel shows"))
-                            : ", which leave open its " + join(fit.undetermined());
+                            : ", which leave open its " + joinWords(fit.undetermined());
             } catch (const InputError& error) {
                 line += ": " + error.problem();
             }
@@ -73,35 +68,47 @@ void describeComponents(const Recording& recording, std::vector<std::string>& li
     }
 }
 
-/// Stops that the relative displacements of the rigid motions pass.
-void describeStops(const Recording& recording, const MountModel& model, std::vector<std::string>& lines) {
+void describeStops(const MountModel& model, const std::vector<bool>& is_reached, std::vector<std::string>& lines) {
+    std::vector<std::string> reached, missed;
+    std::size_t next = 0;
+    for (const Connection& connection : model.connections) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            for (const Stop& stop : connection.axis.at(axis).stops) {
+                const std::string name =
+                    connection.name + "." + static_cast<char>('x' + axis) + (stop.side == Side::positive ? ".+" : ".-");
+                (is_reached.at(next++) ? reached : missed).push_back(name);
+            }
+        }
+    }
+    if (!reached.empty()) lines.push_back("stops reached with the model's clearances: " + joinWords(reached));
+    if (!missed.empty())
+        lines.push_back("stops not reached, so that nothing can be said of them: " + joinWords(missed));
+}
+
+}  // namespace
+
+std::vector<bool> findReachedStops(const Recording& recording, const MountModel& model) {
     RelativeDisplacement relative;
     try {
         relative = calcRelativeDisplacement(recording, model);
     } catch (const InputError&) {
-        return;  // the motions cannot be recovered, which stands above
+        return {};
     }
-    std::vector<std::string> reached, missed;
+    std::vector<bool> reached;
     for (std::size_t i = 0; i < model.connections.size(); ++i) {
         for (int axis = 0; axis < 3; ++axis) {
             const AxisLaw& law = model.connections[i].axis.at(static_cast<std::size_t>(axis));
             const Eigen::RowVectorXd q =
                 relative.q.row(3 * static_cast<Eigen::Index>(i) + axis).array() + law.offset;  // from mid-gap
-            for (const Stop& stop : law.stops) {
-                const bool positive = stop.side == Side::positive;
-                const std::string name =
-                    model.connections[i].name + "." + static_cast<char>('x' + axis) + (positive ? ".+" : ".-");
-                ((positive ? q.maxCoeff() : -q.minCoeff()) > stop.clearance ? reached : missed).push_back(name);
-            }
+            for (const Stop& stop : law.stops)
+                reached.push_back((stop.side == Side::positive ? q.maxCoeff() : -q.minCoeff()) > stop.clearance);
         }
     }
-    if (!reached.empty()) lines.push_back("stops reached with the model's clearances: " + join(reached));
-    if (!missed.empty()) lines.push_back("stops not reached, so that nothing can be said of them: " + join(missed));
+    return reached;
 }
 
-}  // namespace
-
-std::vector<std::string> describeAbilities(const Recording& recording, const MountModel* model) {
+std::vector<std::string> describeAbilities(const Recording& recording, const MountModel* model,
+                                           const std::vector<bool>& reached) {
     std::vector<std::string> lines;
     const bool component = has(recording, Part::relative) || has(recording, Part::force);
     if (has(recording, Part::load)) {
@@ -116,7 +123,7 @@ std::vector<std::string> describeAbilities(const Recording& recording, const Mou
     describePart(recording, model, Part::mobile, lines);
     describePart(recording, model, Part::fixed, lines);
     if (component) describeComponents(recording, lines);
-    if (model != nullptr) describeStops(recording, *model, lines);
+    if (model != nullptr && !reached.empty()) describeStops(*model, reached, lines);
     if (!has(recording, Part::mobile) && !component)
         lines.emplace_back("no channel of the mobile part and none of a component test: nothing can be identified");
     return lines;

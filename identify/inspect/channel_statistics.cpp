@@ -1,18 +1,19 @@
 #include "identify/inspect/channel_statistics.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "identify/motion/noise_estimate.hpp"
-#include "identify/motion/spectrum.hpp"
 
 namespace wems::identify {
 namespace {
 
 constexpr double tail_power = 0.005;  // on each side of the band
+constexpr int segment = 16384;        // samples
 
-void findBand(const Eigen::VectorXd& signal, double interval, ChannelStatistics& statistics) {
-    const Spectrum spectrum = calcSpectrum(signal, interval, 16384);
+void findBand(ChannelStatistics& statistics) {
+    const Spectrum& spectrum = statistics.spectrum;
     const double total = spectrum.density.sum();
     if (!(total > 0)) return;
     double sum = 0;
@@ -27,21 +28,49 @@ void findBand(const Eigen::VectorXd& signal, double interval, ChannelStatistics&
 
 }  // namespace
 
-ChannelStatistics calcStatistics(const Channel& channel, double interval) {
-    ChannelStatistics statistics;
-    statistics.name = channel.name;
-    const auto name = parseChannelName(channel.name);
-    statistics.unit = name ? siUnit(findQuantity(*name)) : "";
+void ChannelLevels::add(const Channel& channel, double interval) {
     const Eigen::Map<const Eigen::VectorXd> signal(channel.values.data(),
                                                    static_cast<Eigen::Index>(channel.values.size()));
-    statistics.mean = signal.mean();
-    statistics.lowest = signal.minCoeff();
-    statistics.highest = signal.maxCoeff();
-    statistics.rms = std::sqrt((signal.array() - statistics.mean).square().mean());
-    statistics.noise = estimateNoiseFromSignal(signal);
+    const bool is_first = count_ == 0;
+    name_ = channel.name;
+    const auto count = static_cast<double>(signal.size());
+    const double mean = signal.mean(), away = mean - mean_;
+    squares_ += (signal.array() - mean).square().sum() + away * away * count_ * count / (count_ + count);
+    mean_ += away * count / (count_ + count);
+    count_ += count;
+    lowest_ = is_first ? signal.minCoeff() : std::min(lowest_, signal.minCoeff());
+    highest_ = is_first ? signal.maxCoeff() : std::max(highest_, signal.maxCoeff());
+    noise_power_ += count * std::pow(estimateNoiseFromSignal(signal), 2);
+    if (!(interval > 0)) return;
+    Spectrum spectrum = calcSpectrum(signal, interval, segment);
+    if (is_first) {
+        spectrum_ = std::move(spectrum);
+        spectrum_.density *= count;
+    } else if (spectrum.density.size() == spectrum_.density.size()) {
+        spectrum_.density += count * spectrum.density;
+    } else {
+        return;  // a block too short for the others' resolution
+    }
+    spectrum_samples_ += count;
+}
+
+ChannelStatistics ChannelLevels::finish() const {
+    ChannelStatistics statistics;
+    statistics.name = name_;
+    const auto name = parseChannelName(name_);
+    statistics.unit = name ? siUnit(findQuantity(*name)) : "";
+    statistics.mean = mean_;
+    statistics.lowest = lowest_;
+    statistics.highest = highest_;
+    statistics.rms = std::sqrt(squares_ / count_);
+    statistics.noise = std::sqrt(noise_power_ / count_);
     statistics.signal_to_noise = statistics.noise > 0 ? 20 * std::log10(statistics.rms / statistics.noise)
                                                       : std::numeric_limits<double>::infinity();
-    if (interval > 0) findBand(signal, interval, statistics);
+    if (spectrum_samples_ > 0) {
+        statistics.spectrum = spectrum_;
+        statistics.spectrum.density /= spectrum_samples_;
+        findBand(statistics);
+    }
     return statistics;
 }
 

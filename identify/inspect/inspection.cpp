@@ -16,17 +16,9 @@ namespace {
 
 constexpr std::size_t least_samples = 64;
 
-void inspectWithModel(const Recording& recording, const MountModel& model, Inspection& inspection) {
-    for (Finding& finding : checkAgainstModel(recording, model)) inspection.findings.push_back(std::move(finding));
-    try {
-        for (const ChannelSuspect& suspect : checkRigidity(recording, model).suspects) {
-            inspection.notes.push_back(suspect.channel + " does not move as the rigid part does: " + suspect.fault +
-                                       (suspect.exchanged_with.empty() ? "" : " with " + suspect.exchanged_with) +
-                                       "; `identify rigidity` says more");
-        }
-    } catch (const InputError& error) {
-        inspection.notes.push_back("rigidity is not checked: " + error.problem());
-    }
+/// What has to be there most of the time.
+bool isLasting(FindingKind kind) {
+    return kind == FindingKind::offset || kind == FindingKind::drift || kind == FindingKind::hum;
 }
 
 }  // namespace
@@ -60,23 +52,110 @@ std::vector<Finding> findDefects(const Recording& recording, const SweptFrequenc
     return findings;
 }
 
-Inspection inspect(const Recording& recording, const MountModel* model) {
-    Inspection inspection;
-    const double interval = recording.sampleInterval();
-    inspection.rate = interval > 0 ? 1 / interval : 0;
-    inspection.duration = recording.time.empty() ? 0 : recording.time.back() - recording.time.front();
-    Recording uniform = recording;
-    if (recording.sampleCount() >= least_samples) uniform = makeUniform(recording, inspection.notes);
-    for (const Channel& channel : uniform.channels)
-        inspection.channels.push_back(calcStatistics(channel, uniform.sampleInterval()));
-    inspection.swept = findSweptFrequency(uniform);
-    inspection.orders = trackOrders(uniform, inspection.swept);
-    inspection.findings = findDefects(recording, inspection.swept);
-    if (model != nullptr) inspectWithModel(recording, *model, inspection);
-    std::stable_sort(inspection.findings.begin(), inspection.findings.end(),
+void Inspector::addDrive(const SweptFrequency& swept) {
+    if (blocks_ == 0) swept_ = swept;
+    if (swept.is_sine) ++sine_blocks_;
+    if (swept_.source.empty()) swept_.source = swept.source;
+    if (!(swept.lowest > 0)) return;
+    swept_.lowest = swept_.lowest > 0 ? std::min(swept_.lowest, swept.lowest) : swept.lowest;
+    swept_.highest = std::max(swept_.highest, swept.highest);
+}
+
+void Inspector::addWithModel(const Recording& block, std::vector<Finding>& findings) {
+    for (Finding& finding : checkAgainstModel(block, *model_)) findings.push_back(std::move(finding));
+    try {
+        for (const ChannelSuspect& suspect : checkRigidity(block, *model_).suspects) {
+            notes_.add(suspect.channel + " does not move as the rigid part does: " + suspect.fault +
+                       (suspect.exchanged_with.empty() ? "" : " with " + suspect.exchanged_with) +
+                       "; `identify rigidity` says more");
+        }
+    } catch (const InputError& error) {
+        notes_.add("rigidity is not checked: " + error.problem());
+    }
+    const std::vector<bool> reached = findReachedStops(block, *model_);
+    reached_.resize(std::max(reached_.size(), reached.size()), false);
+    for (std::size_t i = 0; i < reached.size(); ++i) reached_[i] = reached_[i] || reached[i];
+}
+
+void Inspector::addFindings(const std::vector<Finding>& findings) {
+    const auto known = found_.size();  // one block may hold several of a kind, each in its own right
+    for (const Finding& finding : findings) {
+        const auto end = found_.begin() + static_cast<std::ptrdiff_t>(known);
+        const auto same = std::find_if(found_.begin(), end, [&](const Found& found) {
+            return found.first.kind == finding.kind && found.first.channel == finding.channel;
+        });
+        if (same == end) {
+            found_.push_back({finding, 1});
+        } else {
+            ++same->blocks;
+        }
+    }
+}
+
+void Inspector::add(const Recording& block) {
+    std::vector<std::string> notes;
+    Recording uniform = block;
+    if (block.sampleCount() >= least_samples) uniform = makeUniform(block, notes);
+    for (const auto& note : notes) notes_.add(note);
+    if (blocks_ == 0) {
+        names_ = block;
+        names_.time.clear();
+        for (Channel& channel : names_.channels) channel.values.clear();
+        first_time_ = block.time.front();
+        levels_.resize(block.channels.size());
+    }
+    last_time_ = block.time.back();
+    for (std::size_t c = 0; c < levels_.size(); ++c) levels_[c].add(uniform.channels[c], uniform.sampleInterval());
+    const SweptFrequency swept = findSweptFrequency(uniform);
+    addDrive(swept);
+    OrderTracking orders = trackOrders(uniform, swept);
+    envelope_.add(orders);
+    if (blocks_ == 0) orders_ = std::move(orders);
+    std::vector<Finding> findings = findDefects(block, swept);
+    if (model_ != nullptr) addWithModel(block, findings);
+    addFindings(findings);
+    samples_ += block.sampleCount() - (blocks_ > 0 ? 1 : 0);
+    ++blocks_;
+}
+
+std::vector<Finding> Inspector::listFindings() const {
+    std::vector<Finding> findings;
+    for (const Found& found : found_) {
+        if (isLasting(found.first.kind) && 2 * found.blocks < blocks_) continue;
+        findings.push_back(found.first);
+        if (blocks_ > 1)
+            findings.back().message +=
+                " (the first of " + std::to_string(found.blocks) + " among " + std::to_string(blocks_) + " blocks)";
+    }
+    std::stable_sort(findings.begin(), findings.end(),
                      [](const Finding& a, const Finding& b) { return a.row < b.row; });
-    inspection.abilities = describeAbilities(recording, model);
+    return findings;
+}
+
+Inspection Inspector::finish() {
+    if (blocks_ == 0) throw InputError({}, "there is no sample to inspect");
+    Inspection inspection;
+    inspection.samples = samples_;
+    inspection.blocks = blocks_;
+    inspection.duration = last_time_ - first_time_;
+    inspection.rate = inspection.duration > 0 ? static_cast<double>(samples_ - 1) / inspection.duration : 0;
+    for (const ChannelLevels& levels : levels_) inspection.channels.push_back(levels.finish());
+    inspection.swept = std::move(swept_);
+    if (blocks_ > 1) {
+        inspection.swept.hertz.resize(0);
+        inspection.swept.is_sine = 2 * sine_blocks_ > blocks_;
+    }
+    inspection.orders = blocks_ > 1 ? envelope_.finish() : std::move(orders_);
+    inspection.findings = listFindings();
+    inspection.abilities = describeAbilities(names_, model_, reached_);
+    inspection.notes = notes_.list();
     return inspection;
+}
+
+Inspection inspect(const Recording& recording, const MountModel* model) {
+    Inspector inspector(model);
+    inspector.add(recording);
+    return inspector.finish();
 }
 
 }  // namespace wems::identify

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/inspect/block_notes.hpp"
 #include "identify/inspect/channel_statistics.hpp"
 #include "identify/inspect/order_tracking.hpp"
 #include "identify/motion/swept_frequency.hpp"
@@ -14,9 +15,11 @@
 namespace wems::identify {
 
 struct Inspection {
-    double rate = 0;      ///< Hz, mean
-    double duration = 0;  ///< s
-    SweptFrequency swept;
+    std::size_t samples = 0;
+    std::size_t blocks = 1;
+    double rate = 0;       ///< Hz, mean
+    double duration = 0;   ///< s
+    SweptFrequency swept;  ///< of several blocks the band alone: `hertz` is empty
     std::vector<ChannelStatistics> channels;
     OrderTracking orders;
     std::vector<Finding> findings;       ///< of reading and of the signals, in order of time
@@ -27,6 +30,46 @@ struct Inspection {
 /// @param model may be null; with it, exchanged and missing connections and channels that are not rigid are findings
 /// too
 Inspection inspect(const Recording& recording, const MountModel* model);
+
+/// The same of a recording that comes in blocks which overlap by a sample (RecordingStream), in memory that does not
+/// depend on their number.
+///
+/// Levels and spectra are those of the whole recording. Findings are made in each block and put together by kind and
+/// channel, with the number of blocks; offset, drift and hum, which have to be there most of the time, count if they
+/// are in most blocks. The drive is a sine if it is one in most blocks.
+class Inspector {
+public:
+    /// @param model may be null; must outlive the object
+    explicit Inspector(const MountModel* model) : model_(model) {}
+
+    /// @throws InputError as makeUniform()
+    void add(const Recording& block);
+    /// @throws InputError if there was no block
+    Inspection finish();
+
+private:
+    struct Found {
+        Finding first;
+        std::size_t blocks = 0;
+    };
+
+    void addDrive(const SweptFrequency& swept);
+    void addWithModel(const Recording& block, std::vector<Finding>& findings);
+    void addFindings(const std::vector<Finding>& findings);
+    std::vector<Finding> listFindings() const;
+
+    const MountModel* model_;
+    Recording names_;  // of the first block, without values
+    double first_time_ = 0, last_time_ = 0;
+    std::size_t samples_ = 0, blocks_ = 0, sine_blocks_ = 0;
+    std::vector<ChannelLevels> levels_;
+    SweptFrequency swept_;
+    OrderTracking orders_;  // of the first block
+    OrderEnvelope envelope_;
+    std::vector<Found> found_;
+    std::vector<bool> reached_;
+    BlockNotes notes_;
+};
 
 /// Only the findings that need no model: what inspect() looks for in time stamps and signals.
 std::vector<Finding> findDefects(const Recording& recording, const SweptFrequency& swept);

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "models/pi.hpp"
+
 namespace wems::identify {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double window_periods = 5;
 constexpr int unknowns = 1 + 2 * tracked_orders;
 
@@ -18,7 +19,7 @@ std::vector<double> integratePhase(const std::vector<double>& time, const Eigen:
     for (std::size_t k = 1; k < time.size(); ++k) {
         const auto i = static_cast<Eigen::Index>(k);
         const double f = 0.5 * (hertz[i] + hertz[i - 1]);
-        phase[k] = phase[k - 1] + (std::isfinite(f) ? 2 * pi * f * (time[k] - time[k - 1]) : 0.0);
+        phase[k] = phase[k - 1] + (std::isfinite(f) ? kTwoPi * f * (time[k] - time[k - 1]) : 0.0);
     }
     return phase;
 }
@@ -125,7 +126,7 @@ OrderTracking trackOrders(const Recording& recording, const SweptFrequency& swep
     for (OrderTrack& track : result.tracks) {
         for (int order = 1; order <= tracked_orders; ++order) {
             for (Eigen::Index p = 0; p < count; ++p)
-                track.phase(order - 1, p) = std::remainder(track.phase(order - 1, p) - order * zero[p], 2 * pi);
+                track.phase(order - 1, p) = std::remainder(track.phase(order - 1, p) - order * zero[p], kTwoPi);
         }
     }
     return result;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,5 +30,24 @@ struct OrderTracking {
 /// harmonics of the swept phase 2π∫f dt over five periods around. Empty unless the drive is a sine.
 /// Vold–Kalman filters and the like serve order tracking where orders cross; one sine at a time needs none.
 OrderTracking trackOrders(const Recording& recording, const SweptFrequency& swept, int points = 120);
+
+/// Orders of a recording that comes in blocks: in each of a hundred bands a decade what the block holds in which the
+/// drive was strongest there, so that a sweep that comes again and again is shown once, at its highest level. Blocks
+/// driven most in another channel than the first one are left out.
+class OrderEnvelope {
+public:
+    void add(const OrderTracking& block);
+    OrderTracking finish() const;
+
+private:
+    struct Point {
+        double time = 0, hertz = 0;
+        Eigen::MatrixXd amplitude, phase;  // orders x channels
+        double level = 0;                  // of the reference
+    };
+    std::string reference_;
+    std::vector<std::string> channels_;
+    std::map<long, Point> points_;  // by band
+};
 
 }  // namespace wems::identify

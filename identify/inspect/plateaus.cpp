@@ -17,6 +17,7 @@ constexpr double pile_ratio = 8;            // over the bands beside it; 3 for a
 constexpr std::size_t least_runs = 2;       // at one limit: a single flat peak proves nothing
 constexpr int least_excursions = 5;         // that reach the band
 constexpr std::size_t least_frozen = 5;     // samples
+constexpr double written_steps = 4;         // least band
 constexpr double moving = 4;                // resolution steps
 constexpr double jump_size = 6;             // noise deviations
 constexpr double held_share = 0.1;          // of all samples
@@ -64,12 +65,17 @@ std::vector<Run> findPile(const std::vector<double>& v, double noise, double sig
     std::nth_element(sorted.begin(), middle, sorted.end());
     const double range = *std::max_element(v.begin(), v.end()) - *std::min_element(v.begin(), v.end());
     if (extreme - sign * *middle < std::max(4 * band * noise, 0.2 * range)) return {};
+    // Not finer than the values near the limit are written: in one step of them a sine piles up too.
+    double next = -std::numeric_limits<double>::infinity();
+    for (const double value : v)
+        if (sign * value < extreme) next = std::max(next, sign * value);
+    const double width = std::max(band * noise, written_steps * (extreme - next));
     std::array<long, 4> counts{};
     std::vector<Run> pile;
     int excursions = 0;
     bool away = true;
     for (std::size_t i = 0; i < v.size(); ++i) {
-        const double below = (extreme - sign * v[i]) / (band * noise);
+        const double below = (extreme - sign * v[i]) / width;
         if (sign * v[i] < sign * *middle) away = true;
         if (below < 1 && away) {
             ++excursions;

@@ -6,10 +6,12 @@
 #include <cstdio>
 #include <limits>
 
+#include "identify/motion/median.hpp"
+#include "models/pi.hpp"
+
 namespace wems::identify {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double normal_mad = 1.4826;    // standard deviation over median absolute deviation
 constexpr double significant = 6;        // standard deviations
 constexpr double least_offset = 0.02;    // of the channel's RMS
@@ -18,12 +20,6 @@ constexpr double least_hum = 0.002;      // of the channel's RMS
 constexpr double mains_tolerance = 0.1;  // Hz
 constexpr double hum_block = 1.0;        // s
 constexpr Eigen::Index least_blocks = 12;
-
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 double medianDeviation(const std::vector<double>& values, double centre) {
     std::vector<double> deviations;
@@ -37,7 +33,7 @@ double calcWindowedMean(const Eigen::VectorXd& signal, Eigen::Index first, Eigen
     double sum = 0, weights = 0;
     for (Eigen::Index i = 0; i < count; ++i) {
         const double weight =
-            0.5 - 0.5 * std::cos(2 * pi * (static_cast<double>(i) + 0.5) / static_cast<double>(count));
+            0.5 - 0.5 * std::cos(kTwoPi * (static_cast<double>(i) + 0.5) / static_cast<double>(count));
         sum += weight * signal[first + i];
         weights += weight;
     }
@@ -50,15 +46,15 @@ std::vector<std::complex<double>> calcComponents(const Eigen::VectorXd& signal, 
     const auto length = static_cast<Eigen::Index>(std::lround(hum_block / interval));
     std::vector<std::complex<double>> components;
     centres.clear();
-    const std::complex<double> turn = std::polar(1.0, -2 * pi * frequency * interval);
+    const std::complex<double> turn = std::polar(1.0, -kTwoPi * frequency * interval);
     for (Eigen::Index first = 0; first + length <= signal.size(); first += std::max<Eigen::Index>(1, length / 2)) {
         const double mean = calcWindowedMean(signal, first, length);
         std::complex<double> sum = 0,
-                             phase = std::polar(1.0, -2 * pi * frequency * interval * static_cast<double>(first));
+                             phase = std::polar(1.0, -kTwoPi * frequency * interval * static_cast<double>(first));
         double weights = 0;
         for (Eigen::Index i = 0; i < length; ++i) {
             const double weight =
-                0.5 - 0.5 * std::cos(2 * pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
+                0.5 - 0.5 * std::cos(kTwoPi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
             sum += weight * (signal[first + i] - mean) * phase;
             weights += weight;
             phase *= turn;
@@ -74,7 +70,7 @@ double findCoherent(const std::vector<std::complex<double>>& components, const s
                     double shift) {
     std::vector<double> real, imaginary;
     for (std::size_t i = 0; i < components.size(); ++i) {
-        const auto turned = components[i] * std::polar(1.0, -2 * pi * shift * centres[i]);
+        const auto turned = components[i] * std::polar(1.0, -kTwoPi * shift * centres[i]);
         real.push_back(turned.real());
         imaginary.push_back(turned.imag());
     }

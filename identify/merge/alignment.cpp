@@ -1,11 +1,11 @@
 #include "identify/merge/alignment.hpp"
 
-#include <fftw3.h>
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <memory>
+
+#include "identify/motion/fftw_plan.hpp"
 
 namespace wems::identify {
 namespace {
@@ -13,10 +13,6 @@ namespace {
 constexpr int refinements = 6;
 constexpr std::size_t least_overlap = 64;  // samples
 
-struct PlanDeleter {
-    void operator()(fftw_plan_s* plan) const { fftw_destroy_plan(plan); }
-};
-using Plan = std::unique_ptr<fftw_plan_s, PlanDeleter>;
 using Complex = std::complex<double>;
 
 UniformSignal atRate(const UniformSignal& signal, double interval) {
@@ -31,8 +27,8 @@ std::vector<Complex> transform(const std::vector<double>& values, std::size_t le
     std::vector<double> padded(length, 0.0);
     for (std::size_t i = 0; i < values.size(); ++i) padded[i] = values[i] - mean;
     std::vector<Complex> result(length / 2 + 1);
-    const Plan plan(fftw_plan_dft_r2c_1d(static_cast<int>(length), padded.data(),
-                                         reinterpret_cast<fftw_complex*>(result.data()), FFTW_ESTIMATE));
+    const FftwPlan plan(
+        fftw_plan_dft_r2c_1d(static_cast<int>(length), padded.data(), asFftw(result.data()), FFTW_ESTIMATE));
     fftw_execute(plan.get());
     return result;
 }
@@ -45,8 +41,8 @@ long findLag(const std::vector<double>& a, const std::vector<double>& b) {
     const auto other = transform(a, length);
     for (std::size_t i = 0; i < product.size(); ++i) product[i] *= std::conj(other[i]);
     std::vector<double> correlation(length);
-    const Plan plan(fftw_plan_dft_c2r_1d(static_cast<int>(length), reinterpret_cast<fftw_complex*>(product.data()),
-                                         correlation.data(), FFTW_ESTIMATE));
+    const FftwPlan plan(
+        fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(product.data()), correlation.data(), FFTW_ESTIMATE));
     fftw_execute(plan.get());
     const auto best =
         static_cast<std::size_t>(std::max_element(correlation.begin(), correlation.end()) - correlation.begin());

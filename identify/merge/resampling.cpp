@@ -4,10 +4,11 @@
 #include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
 
+#include "models/pi.hpp"
+
 namespace wems::identify {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double crossings = 32;
 constexpr double beta = 8;
 constexpr double cutoff_share = 0.464;  // of the lower rate: the stop band begins at its half
@@ -23,7 +24,7 @@ public:
         for (std::size_t i = 0; i < count; ++i) {
             const double x = static_cast<double>(i) / table_steps, share = x / crossings;
             const double window = boost::math::cyl_bessel_i(0, beta * std::sqrt(1 - share * share)) / scale;
-            table_[i] = (i == 0 ? 1.0 : std::sin(pi * x) / (pi * x)) * window;
+            table_[i] = (i == 0 ? 1.0 : std::sin(kPi * x) / (kPi * x)) * window;
         }
     }
 

@@ -18,7 +18,7 @@ constexpr double same_explained = 0.98;    // of the best: not to be told apart
 constexpr double least_redundancy = 0.02;  // 1 − h_cc below this: the others say nothing about this channel
 constexpr int most_suspects = 4;
 
-struct Hypothesis {
+struct SuspectHypothesis {
     ChannelSuspect suspect;
     int channel = 0, other = -1;
     double reduction = 0;  // of Σ|e|²
@@ -42,12 +42,12 @@ public:
             const double total = (residual_maker_ * moments).trace();
             const double excess = total - noise_ * noise_ * freedoms;
             if (excess < least_deviations * noise_ * noise_ * std::sqrt(2 * freedoms)) break;
-            std::vector<Hypothesis> hypotheses = collectHypotheses(moments, total);
+            std::vector<SuspectHypothesis> hypotheses = collectHypotheses(moments, total);
             const auto best = std::max_element(hypotheses.begin(), hypotheses.end(),
                                                [](const auto& a, const auto& b) { return a.reduction < b.reduction; });
             if (best == hypotheses.end() || best->reduction < least_explained * excess) break;
             best->suspect.explained = std::min(1.0, best->reduction / excess);
-            for (const Hypothesis& rival : hypotheses) {
+            for (const SuspectHypothesis& rival : hypotheses) {
                 if (rival.channel != best->channel && rival.other < 0 &&
                     rival.reduction > same_explained * best->reduction)
                     best->suspect.alternatives.push_back(rival.suspect.channel);
@@ -60,16 +60,16 @@ public:
 
 private:
     /// Those that pass the limits on significance and size.
-    std::vector<Hypothesis> collectHypotheses(const Eigen::MatrixXd& moments, double total) const {
-        std::vector<Hypothesis> hypotheses;
+    std::vector<SuspectHypothesis> collectHypotheses(const Eigen::MatrixXd& moments, double total) const {
+        std::vector<SuspectHypothesis> hypotheses;
         const int m = static_cast<int>(channels_.size());
         for (int c = 0; c < m; ++c) {
             if (residual_maker_(c, c) < least_redundancy) continue;
-            for (const Hypothesis& hypothesis : {makeGain(c), makeDelay(c)}) {
+            for (const SuspectHypothesis& hypothesis : {makeGain(c), makeDelay(c)}) {
                 if (hypothesis.significant) hypotheses.push_back(hypothesis);
             }
             for (int other = c + 1; other < m; ++other) {
-                Hypothesis exchange;
+                SuspectHypothesis exchange;
                 exchange.channel = c;
                 exchange.other = other;
                 exchange.suspect = named(c, "exchanged");
@@ -100,14 +100,14 @@ private:
         return {std::move(prediction), std::move(difference)};
     }
 
-    Hypothesis makeGain(int c) const {
+    SuspectHypothesis makeGain(int c) const {
         const double redundancy = residual_maker_(c, c);
         const auto [prediction, difference] = predict(c);
         const auto n = static_cast<double>(prediction.size());
         const double prediction_variance = noise_ * noise_ * (1 - redundancy) / redundancy;
         const double power = prediction.squaredNorm() - n * prediction_variance;
         const double change = prediction.dot(difference) + n * prediction_variance;
-        Hypothesis hypothesis;
+        SuspectHypothesis hypothesis;
         hypothesis.channel = c;
         hypothesis.suspect = named(c, "gain");
         if (!(power > n * prediction_variance)) return hypothesis;
@@ -118,13 +118,13 @@ private:
         return hypothesis;
     }
 
-    Hypothesis makeDelay(int c) const {
+    SuspectHypothesis makeDelay(int c) const {
         const double redundancy = residual_maker_(c, c);
         const auto [prediction, difference] = predict(c);
         const double cutoff = findCutoff(prediction.transpose(), interval_);
         const Eigen::VectorXd rate = differentiate(smoothZeroPhase(prediction, interval_, cutoff), interval_).first;
         const double power = rate.squaredNorm();
-        Hypothesis hypothesis;
+        SuspectHypothesis hypothesis;
         hypothesis.channel = c;
         hypothesis.suspect = named(c, "delay");
         if (!(power > 0)) return hypothesis;
@@ -142,7 +142,7 @@ private:
         return std::abs(change) > least_deviations * standard_error && std::abs(change) * scale > least_change;
     }
 
-    void correct(const Hypothesis& best) {
+    void correct(const SuspectHypothesis& best) {
         if (best.other >= 0) {
             signals_.row(best.channel).swap(signals_.row(best.other));
         } else {

@@ -5,11 +5,10 @@
 #include <vector>
 
 #include "identify/motion/spectrum.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 /// One pass of a third-order Butterworth low pass (bilinear transform), started at rest at the first sample.
 void filterOnce(std::vector<double>& x, double w) {
@@ -35,7 +34,7 @@ void filterOnce(std::vector<double>& x, double w) {
 
 Eigen::VectorXd smoothZeroPhase(const Eigen::VectorXd& signal, double interval, double cutoff) {
     const Eigen::Index n = signal.size();
-    const double w = std::tan(pi * cutoff * interval);
+    const double w = std::tan(kPi * cutoff * interval);
     const Eigen::Index pad = std::min<Eigen::Index>(n - 1, static_cast<Eigen::Index>(3 / (cutoff * interval)) + 4);
     std::vector<double> x(static_cast<std::size_t>(n + 2 * pad));
     for (Eigen::Index k = 0; k < pad; ++k) {

@@ -6,14 +6,10 @@
 #include <limits>
 #include <vector>
 
+#include "identify/motion/median.hpp"
+
 namespace wems::identify {
 namespace {
-
-double median(std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 double medianOfChiSquared(int degrees_of_freedom) {
     return boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), 0.5);
@@ -28,7 +24,7 @@ double estimateNoiseFromResiduals(const Eigen::MatrixXd& residuals, int redundan
     for (Eigen::Index k = 1; k + 1 < samples; ++k)
         sums[static_cast<std::size_t>(k - 1)] =
             (residuals.col(k - 1) - 2 * residuals.col(k) + residuals.col(k + 1)).squaredNorm();
-    return std::sqrt(median(sums) / (6 * medianOfChiSquared(redundancy)));
+    return std::sqrt(median(std::move(sums)) / (6 * medianOfChiSquared(redundancy)));
 }
 
 double estimateNoiseFromSignal(const Eigen::VectorXd& x) {
@@ -39,7 +35,7 @@ double estimateNoiseFromSignal(const Eigen::VectorXd& x) {
         const double sixth = x[k - 3] + x[k + 3] - 6 * (x[k - 2] + x[k + 2]) + 15 * (x[k - 1] + x[k + 1]) - 20 * x[k];
         squares.push_back(sixth * sixth);
     }
-    return std::sqrt(median(squares) / (924 * medianOfChiSquared(1)));
+    return std::sqrt(median(std::move(squares)) / (924 * medianOfChiSquared(1)));
 }
 
 }  // namespace wems::identify

@@ -9,11 +9,11 @@
 #include "identify/motion/rigid_fit.hpp"
 #include "identify/motion/uniform_time.hpp"
 #include "models/error.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 /// A layout counts as a cross if its arms are perpendicular and centred to this, relative.
 constexpr double cross_tolerance = 1e-3;
 
@@ -110,9 +110,9 @@ private:
         const Eigen::Matrix3Xd first = end(cross[1]) - end(cross[0]), second = end(cross[3]) - end(cross[2]);
         const Eigen::VectorXd cosine = first.cwiseProduct(second).colwise().sum().transpose().array() /
                                        (first.colwise().norm().array() * second.colwise().norm().array()).transpose();
-        add("perpendicularity", 100 * (cosine.array().acos() - pi / 2) / (pi / 2),
+        add("perpendicularity", 100 * (cosine.array().acos() - kPi / 2) / (kPi / 2),
             100 * noise_ * std::sqrt(2 / (first_length * first_length) + 2 / (second_length * second_length)) /
-                (pi / 2));
+                (kPi / 2));
         const double length = 0.5 * (first_length + second_length);
         const Eigen::Matrix3Xd offset = 0.5 * (end(cross[0]) + end(cross[1]) - end(cross[2]) - end(cross[3]));
         for (int axis = 0; axis < 3; ++axis)

@@ -1,28 +1,18 @@
 #include "identify/motion/spectrum.hpp"
 
-#include <fftw3.h>
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <memory>
 #include <vector>
 
+#include "identify/motion/fftw_plan.hpp"
+#include "models/pi.hpp"
+
 namespace wems::identify {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
-struct PlanDeleter {
-    void operator()(fftw_plan_s* plan) const { fftw_destroy_plan(plan); }
-};
-using Plan = std::unique_ptr<fftw_plan_s, PlanDeleter>;
-
 using Complex = std::complex<double>;
-
-fftw_complex* asFftw(std::vector<Complex>& values) {
-    return reinterpret_cast<fftw_complex*>(values.data());
-}
 
 std::size_t nextPowerOfTwo(std::size_t n) {
     std::size_t power = 1;
@@ -38,12 +28,13 @@ Spectrum calcSpectrum(const Eigen::VectorXd& signal, double interval, int segmen
     std::vector<double> block(length), window(length);
     double window_power = 0;
     for (std::size_t i = 0; i < length; ++i) {
-        window[i] = 0.5 - 0.5 * std::cos(2 * pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
+        window[i] = 0.5 - 0.5 * std::cos(kTwoPi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
         window_power += window[i] * window[i];
     }
     const auto bins = static_cast<Eigen::Index>(length / 2 + 1);
     std::vector<Complex> transform(length / 2 + 1);
-    const Plan plan(fftw_plan_dft_r2c_1d(static_cast<int>(length), block.data(), asFftw(transform), FFTW_ESTIMATE));
+    const FftwPlan plan(
+        fftw_plan_dft_r2c_1d(static_cast<int>(length), block.data(), asFftw(transform.data()), FFTW_ESTIMATE));
     Spectrum spectrum;
     spectrum.frequency = Eigen::VectorXd::LinSpaced(bins, 0, 0.5 / interval);
     spectrum.density = Eigen::VectorXd::Zero(bins);
@@ -70,16 +61,18 @@ IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double inte
     std::vector<double> signal(length, 0.0);
     std::copy(acceleration.data(), acceleration.data() + samples, signal.begin());
     std::vector<Complex> transform(length / 2 + 1), product(length / 2 + 1);
-    const Plan forward(fftw_plan_dft_r2c_1d(static_cast<int>(length), signal.data(), asFftw(transform), FFTW_ESTIMATE));
-    const Plan backward(fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(product), signal.data(), FFTW_ESTIMATE));
+    const FftwPlan forward(
+        fftw_plan_dft_r2c_1d(static_cast<int>(length), signal.data(), asFftw(transform.data()), FFTW_ESTIMATE));
+    const FftwPlan backward(
+        fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(product.data()), signal.data(), FFTW_ESTIMATE));
     fftw_execute(forward.get());
     IntegratedSignal result;
     for (const int order : {1, 2}) {
         for (std::size_t i = 0; i < product.size(); ++i) {
             const double f = static_cast<double>(i) / (static_cast<double>(length) * interval);
             const double ramp = std::clamp((f / lowest - 2.0 / 3) * 3, 0.0, 1.0);
-            const double gain = 0.5 - 0.5 * std::cos(pi * ramp);
-            const Complex s(0, 2 * pi * f);
+            const double gain = 0.5 - 0.5 * std::cos(kPi * ramp);
+            const Complex s(0, kTwoPi * f);
             const Complex factor = gain == 0 ? Complex(0) : (order == 1 ? gain / s : gain / (s * s));
             product[i] = transform[i] * factor / static_cast<double>(length);
         }
@@ -97,16 +90,18 @@ SlowSignal keepSlowPart(const Eigen::VectorXd& signal, double interval, double p
     std::vector<double> buffer(length, 0.0);
     std::copy(signal.data(), signal.data() + samples, buffer.begin());
     std::vector<Complex> transform(length / 2 + 1), product(length / 2 + 1);
-    const Plan forward(fftw_plan_dft_r2c_1d(static_cast<int>(length), buffer.data(), asFftw(transform), FFTW_ESTIMATE));
-    const Plan backward(fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(product), buffer.data(), FFTW_ESTIMATE));
+    const FftwPlan forward(
+        fftw_plan_dft_r2c_1d(static_cast<int>(length), buffer.data(), asFftw(transform.data()), FFTW_ESTIMATE));
+    const FftwPlan backward(
+        fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(product.data()), buffer.data(), FFTW_ESTIMATE));
     fftw_execute(forward.get());
     SlowSignal result;
     for (const bool rate : {false, true}) {
         for (std::size_t i = 0; i < product.size(); ++i) {
             const double f = static_cast<double>(i) / (static_cast<double>(length) * interval);
-            const double gain = 0.5 + 0.5 * std::cos(pi * std::clamp((f - pass) / (stop - pass), 0.0, 1.0));
+            const double gain = 0.5 + 0.5 * std::cos(kPi * std::clamp((f - pass) / (stop - pass), 0.0, 1.0));
             product[i] =
-                transform[i] * (rate ? Complex(0, 2 * pi * f) : Complex(1)) * gain / static_cast<double>(length);
+                transform[i] * (rate ? Complex(0, kTwoPi * f) : Complex(1)) * gain / static_cast<double>(length);
         }
         fftw_execute(backward.get());
         (rate ? result.rate : result.x) =

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "identify/motion/median.hpp"
 #include "identify/motion/noise_estimate.hpp"
 #include "identify/motion/spectrum.hpp"
 
@@ -116,11 +117,6 @@ std::vector<Period> findPeriods(const std::vector<double>& time, const Eigen::Ve
         have_last = true;
     }
     return periods;
-}
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2), values.end());
-    return values[values.size() / 2];
 }
 
 /// Local line through the neighbours' log frequencies, those far from their median left out.

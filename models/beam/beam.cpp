@@ -2,6 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "models/pi.hpp"
+
 namespace wems {
 
 BeamMatrices assembleBeam(const Beam& beam) {
@@ -30,11 +32,10 @@ BeamMatrices assembleBeam(const Beam& beam) {
 }
 
 Eigen::VectorXd findBeamFrequencies(const Beam& beam) {
-    constexpr double pi = 3.141592653589793;
     const BeamMatrices matrices = assembleBeam(beam);
     const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(matrices.stiffness, matrices.mass,
                                                                           Eigen::EigenvaluesOnly);
-    return modes.eigenvalues().cwiseSqrt() / (2 * pi);
+    return modes.eigenvalues().cwiseSqrt() / (kTwoPi);
 }
 
 }  // namespace wems

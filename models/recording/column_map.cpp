@@ -1,13 +1,12 @@
 #include "models/recording/column_map.hpp"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "models/error.hpp"
 #include "models/recording/recording.hpp"
 #include "models/recording/text_file.hpp"
+#include "models/toml_table.hpp"
 
 namespace wems {
 namespace {
@@ -151,12 +150,7 @@ private:
 }  // namespace
 
 ColumnMap parseColumnMap(std::string_view text, const std::string& file) {
-    try {
-        return MapReader(file).read(toml::parse(text, file));
-    } catch (const toml::parse_error& error) {
-        throw InputError({file, static_cast<long>(error.source().begin.line), {}},
-                         "not valid TOML: " + std::string(error.description()));
-    }
+    return MapReader(file).read(parseToml(text, file));
 }
 
 ColumnMap readColumnMap(const std::string& file) {

@@ -4,8 +4,6 @@
 
 #include "models/error.hpp"
 #include "models/recording/column_selection.hpp"
-#include "models/recording/csv_body.hpp"
-#include "models/recording/csv_layout.hpp"
 #include "models/recording/recording_table.hpp"
 #include "models/recording/utf8.hpp"
 
@@ -26,34 +24,29 @@ std::vector<OfferedColumn> listColumns(const CsvLayout& layout) {
 }
 
 /// Empty fields are left to the repair, but for time.
-void checkFinite(const CsvColumn& column, bool is_time, const Recording& recording) {
+void checkFinite(const CsvColumn& column, const std::string& file, long first_row) {
     for (std::size_t i = 0; i < column.values.size(); ++i) {
-        const InputLocation location{recording.file, recording.first_row + static_cast<long>(i), column.name};
+        const InputLocation location{file, first_row + static_cast<long>(i), column.name};
         if (std::isinf(column.values[i])) throw InputError(location, "the value is too large");
-        if (is_time && std::isnan(column.values[i])) throw InputError(location, "the row has no time");
+        if (column.name == kTime && std::isnan(column.values[i])) throw InputError(location, "the row has no time");
     }
 }
 
-void takeColumns(std::vector<CsvColumn>& columns, Recording& recording) {
-    std::size_t next = 0;
-    for (auto& column : columns) {
-        const bool is_time = column.name == kTime;
-        if (column.has_non_finite) checkFinite(column, is_time, recording);
-        if (is_time) {
-            recording.time = std::move(column.values);
-        } else {
-            recording.channels[next++].values = std::move(column.values);
-        }
+void append(std::vector<double>& more, std::vector<double>& values) {
+    if (values.empty()) {
+        values = std::move(more);
+    } else {
+        values.insert(values.end(), more.begin(), more.end());
     }
 }
 
 }  // namespace
 
-Recording parseRecording(std::string_view text, const std::string& file, const ColumnMap* map) {
-    // Spreadsheets' "Unicode text".
-    if (const std::string decoded = decodeUtf16(text); !decoded.empty()) return parseRecording(decoded, file, map);
-    CsvLayout layout = readCsvLayout(text, file, map);
-    Recording recording;
+CsvPlan planCsv(std::string_view text, const std::string& file, const ColumnMap* map) {
+    CsvPlan plan;
+    plan.layout = readCsvLayout(text, file, map);
+    CsvLayout& layout = plan.layout;
+    Recording& recording = plan.recording;
     recording.file = file;
     recording.format = "CSV";
     recording.metadata = std::move(layout.metadata);
@@ -61,21 +54,38 @@ Recording parseRecording(std::string_view text, const std::string& file, const C
     recording.warnings = std::move(layout.warnings);
     auto selection = selectColumns(listColumns(layout), file, layout.header_row, map, MissingUnit::error);
     recording.unused_columns = std::move(selection.unused);
-    std::vector<CsvColumn> columns;
     for (auto& selected : selection.columns) {
         CsvColumn column;
         column.index = static_cast<int>(selected.index);
         column.name = selected.name;
         column.scale = selected.scale;
         column.offset = selected.offset;
-        columns.push_back(std::move(column));
+        plan.columns.push_back(std::move(column));
         if (selected.name == kTime) continue;
         recording.channels.push_back({selected.name, selected.unit, {}, static_cast<int>(selected.index) + 1});
     }
-    readCsvBody(layout, file, columns);
-    takeColumns(columns, recording);
-    finishRecording(recording, map, false);
-    return recording;
+    return plan;
+}
+
+std::size_t appendRows(CsvPlan& plan) {
+    readCsvBody(plan.layout, plan.recording.file, plan.columns);
+    const std::size_t rows = plan.columns.front().values.size();
+    std::size_t next = 0;
+    for (auto& column : plan.columns) {
+        if (column.has_non_finite) checkFinite(column, plan.recording.file, plan.layout.first_row);
+        column.has_non_finite = false;
+        append(column.values, column.name == kTime ? plan.recording.time : plan.recording.channels[next++].values);
+    }
+    return rows;
+}
+
+Recording parseRecording(std::string_view text, const std::string& file, const ColumnMap* map) {
+    // Spreadsheets' "Unicode text".
+    if (const std::string decoded = decodeUtf16(text); !decoded.empty()) return parseRecording(decoded, file, map);
+    CsvPlan plan = planCsv(text, file, map);
+    appendRows(plan);
+    finishRecording(plan.recording, map, false);
+    return std::move(plan.recording);
 }
 
 }  // namespace wems

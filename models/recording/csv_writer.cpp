@@ -8,13 +8,10 @@
 
 #include "models/atomic_file.hpp"
 #include "models/error.hpp"
+#include "models/recording/number_writer.hpp"
 
 namespace wems {
 namespace {
-
-constexpr int kTimeDigits = 12;
-constexpr std::size_t kFlushSize = std::size_t{1} << 20;
-constexpr std::size_t kMaxNumber = 32;
 
 std::string quoteField(const std::string& text) {
     if (text.find_first_of(",;\"\t") == std::string::npos) return text;
@@ -34,14 +31,6 @@ struct Column {
     double factor;
     int digits;
 };
-
-void appendNumber(double value, int digits, std::string& text) {
-    if (std::isnan(value)) return;
-    if (std::isinf(value)) throw std::invalid_argument("writeCsv: a value is infinite");
-    char number[kMaxNumber];
-    const auto result = std::to_chars(number, number + kMaxNumber, value, std::chars_format::general, digits);
-    text.append(number, result.ptr);
-}
 
 std::vector<Column> makeColumns(const Recording& recording, const std::string& file, int digits, std::string& header) {
     std::vector<Column> columns{{&recording.time, 1.0, std::max(digits, kTimeDigits)}};

@@ -13,7 +13,7 @@
 namespace wems {
 namespace {
 
-constexpr int kDeepest = 20;              // groups in groups, references to references
+constexpr int kDeepestGroup = 20;         // groups in groups, references to references
 constexpr long kMostObjects = 1000000;    // a file that refers to itself in circles ends here
 constexpr double kMostCompressed = 1100;  // deflate reaches 1032
 
@@ -104,7 +104,7 @@ private:
     }
 
     MatValue readObject(hid_t object, int depth) {
-        if (object < 0 || depth > kDeepest || ++objects_ > kMostObjects) return {};
+        if (object < 0 || depth > kDeepestGroup || ++objects_ > kMostObjects) return {};
         switch (H5Iget_type(object)) {
             case H5I_GROUP:
                 return readGroup(object, depth);

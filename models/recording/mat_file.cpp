@@ -12,7 +12,7 @@
 namespace wems {
 namespace {
 
-constexpr int kDeepest = 20;  // structures in structures
+constexpr int kDeepestStructure = 20;  // structures in structures
 
 struct FileCloser {
     void operator()(mat_t* file) const { Mat_Close(file); }
@@ -99,7 +99,8 @@ void readText(const matvar_t& variable, MatValue& value) {
 
 MatValue convert(const matvar_t* variable, int depth) {
     MatValue value;
-    if (variable == nullptr || variable->data == nullptr || variable->rank < 1 || depth > kDeepest) return value;
+    if (variable == nullptr || variable->data == nullptr || variable->rank < 1 || depth > kDeepestStructure)
+        return value;
     const std::size_t count = countElements(*variable);
     const auto elements = [&](std::size_t size) {
         return std::min(count, variable->nbytes / std::max<std::size_t>(1, size));

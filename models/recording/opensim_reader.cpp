@@ -1,20 +1,26 @@
 #include "models/recording/opensim_reader.hpp"
 
 #include <algorithm>
-#include <array>
 
+#include "models/axis_names.hpp"
 #include "models/error.hpp"
 #include "models/recording/line_cursor.hpp"
 
 namespace wems {
 namespace {
 
-constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
-
 std::string_view trimLine(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r");
     return first == std::string_view::npos ? std::string_view{}
                                            : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// Fields of a row in which none may be empty: some programs put several tabs between them.
+std::vector<std::string_view> splitSettings(std::string_view line) {
+    auto fields = splitFields(line);
+    fields.erase(std::remove_if(fields.begin(), fields.end(), [](std::string_view field) { return field.empty(); }),
+                 fields.end());
+    return fields;
 }
 
 /// The table of marker names under the four lines of a .trc header.
@@ -59,7 +65,7 @@ void readLabels(std::string_view line, const std::string& type, RecordingTable& 
             continue;
         }
         for (std::size_t k = 0; k < numbers; ++k)
-            table.columns.push_back({label + "." + (vector ? kAxes.at(k) : std::to_string(k + 1)), {}, {}});
+            table.columns.push_back({label + "." + (vector ? kAxes[k] : std::to_string(k + 1)), {}, {}});
     }
     if (table.columns.size() < 2)
         throw InputError({table.file, table.header_row, {}}, "there are no column labels after endheader",
@@ -99,8 +105,8 @@ RecordingTable readTrc(std::string_view text, const std::string& file) {
     if (path.size() >= 3 && path[2] != "(X/Y/Z)")
         throw InputError({file, 1, "PathFileType"}, "the order of the axes is '" + std::string(path[2]) + "'",
                          "(X/Y/Z)");
-    const auto keys = splitFields(lines.take());
-    const auto settings = splitFields(lines.take());
+    const auto keys = splitSettings(lines.take());
+    const auto settings = splitSettings(lines.take());
     std::string unit;
     for (std::size_t i = 0; i < std::min(keys.size(), settings.size()); ++i) {
         table.metadata[std::string(keys[i])] = std::string(settings[i]);

@@ -11,20 +11,10 @@
 #include "models/atomic_file.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
+#include "models/recording/number_writer.hpp"
 
 namespace wems {
 namespace {
-
-constexpr int kTimeDigits = 12;
-constexpr std::size_t kFlushSize = std::size_t{1} << 20;
-
-void appendNumber(double value, int digits, std::string& text) {
-    if (std::isinf(value)) throw std::invalid_argument("writeRecording: a value is infinite");
-    std::array<char, 32> number{};
-    const auto result =
-        std::to_chars(number.data(), number.data() + number.size(), value, std::chars_format::general, digits);
-    text.append(number.data(), result.ptr);
-}
 
 void checkChannels(const Recording& recording) {
     for (const auto& channel : recording.channels) {

@@ -16,4 +16,8 @@ namespace wems {
 /// @throws InputError with file, row and column name.
 Recording readRecording(const std::string& file, const ColumnMap* map = nullptr);
 
+/// True if `file` is a CSV file on disk that RecordingStream reads: any but UTF-16. Never throws; what is wrong with a
+/// file is readRecording()'s to say.
+bool isPlainCsv(const std::string& file);
+
 }  // namespace wems

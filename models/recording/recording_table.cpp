@@ -25,10 +25,12 @@ std::string joinNames(const std::vector<std::string>& names) {
     return names.size() > 4 ? text + " and " + std::to_string(names.size() - 4) + " more" : text;
 }
 
-/// Takes the mean over the first `duration` seconds off every displacement channel; 0: the first value that is there.
-void takeRestOff(Recording& recording, double duration) {
-    double largest = 0;
-    for (auto& channel : recording.channels) {
+/// Mean over the first `duration` seconds of every displacement channel, 0 of others; 0 s: the first value that is
+/// there.
+std::vector<double> calcRest(const Recording& recording, double duration) {
+    std::vector<double> rest(recording.channels.size(), 0.0);
+    for (std::size_t c = 0; c < rest.size(); ++c) {
+        const Channel& channel = recording.channels[c];
         const auto name = parseChannelName(channel.name);
         if (!name || name->derivative != Derivative::displacement) continue;
         double sum = 0, count = 0;
@@ -38,10 +40,14 @@ void takeRestOff(Recording& recording, double duration) {
             sum += channel.values[i];
             count += 1;
         }
-        if (count == 0) continue;
-        for (double& value : channel.values) value -= sum / count;
-        largest = std::max(largest, std::abs(sum / count));
+        if (count > 0) rest[c] = sum / count;
     }
+    return rest;
+}
+
+void noteRest(Recording& recording, const std::vector<double>& rest, double duration) {
+    double largest = 0;
+    for (const double value : rest) largest = std::max(largest, std::abs(value));
     if (largest == 0) return;
     char text[160];
     if (duration > 0) {
@@ -60,17 +66,28 @@ void takeRestOff(Recording& recording, double duration) {
 
 }  // namespace
 
-void finishRecording(Recording& recording, const ColumnMap* map, bool positions) {
+void finishBlock(Recording& block, const ColumnMap* map, bool positions, BlockState& state) {
     if (map != nullptr && !map->has_time) {
-        recording.time.resize(recording.channels.front().values.size());
-        for (std::size_t i = 0; i < recording.time.size(); ++i)
-            recording.time[i] = static_cast<double>(i) * map->sample_interval;
+        block.time.resize(block.channels.front().values.size());
+        for (std::size_t i = 0; i < block.time.size(); ++i)
+            block.time[i] = static_cast<double>(state.first_sample + i) * map->sample_interval;
     }
-    const RestPosition rest = map != nullptr ? map->rest : RestPosition{};
-    if (rest.kind == RestPosition::Kind::mean || (positions && rest.kind == RestPosition::Kind::by_format))
-        takeRestOff(recording, rest.duration);
-    recording.findings = repairAndCheck(recording);
-    for (const auto& finding : recording.findings) recording.warnings.push_back(finding.message);
+    const RestPosition kind = map != nullptr ? map->rest : RestPosition{};
+    if (kind.kind == RestPosition::Kind::mean || (positions && kind.kind == RestPosition::Kind::by_format)) {
+        if (!state.rest) {
+            state.rest = calcRest(block, kind.duration);
+            noteRest(block, *state.rest, kind.duration);
+        }
+        for (std::size_t c = 0; c < block.channels.size(); ++c)
+            for (double& value : block.channels[c].values) value -= (*state.rest)[c];
+    }
+    block.findings = repairAndCheck(block);
+    for (const auto& finding : block.findings) block.warnings.push_back(finding.message);
+}
+
+void finishRecording(Recording& recording, const ColumnMap* map, bool positions) {
+    BlockState alone;
+    finishBlock(recording, map, positions, alone);
 }
 
 Recording makeRecording(RecordingTable table, const ColumnMap* map) {

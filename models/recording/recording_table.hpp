@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,5 +33,13 @@ Recording makeRecording(RecordingTable table, const ColumnMap* map);
 /// format) says that displacements are positions, checks and repairs. `time` must be filled unless the map says that
 /// there is none.
 void finishRecording(Recording& recording, const ColumnMap* map, bool positions);
+
+/// What the blocks of one recording share.
+struct BlockState {
+    std::size_t first_sample = 0;             ///< of the next block, counted from 0
+    std::optional<std::vector<double>> rest;  ///< of each channel, set by the first block where one is taken off
+};
+/// The same for one block of a recording. @throws InputError also if rest reaches beyond the first block
+void finishBlock(Recording& block, const ColumnMap* map, bool positions, BlockState& state);
 
 }  // namespace wems

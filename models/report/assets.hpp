@@ -8,6 +8,9 @@ namespace wems::report_assets {
 
 std::string dygraphsScript();
 std::string dygraphsStyle();
+std::string threeScript();
+std::string orbitControlsScript();
+std::string animationScript();
 std::string pageScript();
 std::string pageStyle();
 

@@ -1,4 +1,4 @@
-# cmake -DOUTPUT=… -DDYGRAPHS=<folder> -DSOURCE=<folder> -P embed.cmake: writes assets.cpp with the text of each asset.
+# cmake -DOUTPUT=… -DDYGRAPHS=<folder> -DTHREE=<folder> -DSOURCE=<folder> -P embed.cmake: writes assets.cpp with the text of each asset.
 # String literals are cut into pieces, since compilers limit their length.
 function(embed name file result)
   file(READ "${file}" text)
@@ -15,7 +15,11 @@ endfunction()
 
 embed(dygraphsScript "${DYGRAPHS}/dygraph.min.js" dygraphs_script)
 embed(dygraphsStyle "${DYGRAPHS}/dygraph.min.css" dygraphs_style)
+embed(threeScript "${THREE}/three.min.js" three_script)
+embed(orbitControlsScript "${THREE}/examples/js/controls/OrbitControls.js" orbit_controls_script)
+embed(animationScript "${SOURCE}/animation.js" animation_script)
 embed(pageScript "${SOURCE}/page.js" page_script)
 embed(pageStyle "${SOURCE}/page.css" page_style)
 file(WRITE "${OUTPUT}" "#include \"models/report/assets.hpp\"\n\nnamespace wems::report_assets {\n\n"
-  "${dygraphs_script}" "${dygraphs_style}" "${page_script}" "${page_style}" "}  // namespace wems::report_assets\n")
+  "${dygraphs_script}" "${dygraphs_style}" "${three_script}" "${orbit_controls_script}" "${animation_script}"
+   "${page_script}" "${page_style}" "}  // namespace wems::report_assets\n")

@@ -2,71 +2,39 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 #include "models/atomic_file.hpp"
 #include "models/report/assets.hpp"
+#include "models/report/html_text.hpp"
+#include "models/report/motion_scene.hpp"
 
 namespace wems {
 namespace {
 
-constexpr std::size_t buckets_per_series = 1000;
-
-std::string escapeHtml(const std::string& text) {
-    std::string escaped;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                escaped += "&amp;";
-                break;
-            case '<':
-                escaped += "&lt;";
-                break;
-            case '>':
-                escaped += "&gt;";
-                break;
-            case '"':
-                escaped += "&quot;";
-                break;
-            default:
-                escaped += c;
-        }
-    }
-    return escaped;
-}
-
-/// A JavaScript string literal; `<` is escaped so that no text can end the script element.
-std::string quoteScript(const std::string& text) {
-    std::string quoted = "\"";
-    for (const char c : text) {
-        const auto code = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\') {
-            quoted += '\\';
-            quoted += c;
-        } else if (code < 0x20 || c == '<') {
-            char buffer[8];
-            std::snprintf(buffer, sizeof buffer, "\\u%04x", code);
-            quoted += buffer;
-        } else {
-            quoted += c;
-        }
-    }
-    return quoted + "\"";
-}
-
-std::string formatValue(double value) {
-    if (!std::isfinite(value)) return "NaN";
-    char buffer[32];
-    std::snprintf(buffer, sizeof buffer, "%.6g", value);
-    return buffer;
-}
+constexpr std::size_t most_buckets = 1000, fewest_buckets = 300;  // of a series
+constexpr std::size_t buckets_per_plot = 6000;                    // what a browser redraws without delay
 
 std::vector<std::size_t> thinOut(std::size_t count, std::size_t most) {
     const std::size_t stride = std::max<std::size_t>(1, (count + most - 1) / most);
     std::vector<std::size_t> kept;
     for (std::size_t i = 0; i < count; i += stride) kept.push_back(i);
     return kept;
+}
+
+/// What is kept of a series, in order of x.
+std::string formatSeries(const Series& series, bool points, std::size_t buckets) {
+    const std::size_t count = std::min(series.x.size(), series.y.size());
+    std::vector<std::size_t> kept;
+    for (const auto i : points ? thinOut(count, 4 * buckets) : decimateByShape(series.y, buckets))
+        if (i < count && std::isfinite(series.x[i])) kept.push_back(i);
+    std::stable_sort(kept.begin(), kept.end(), [&](std::size_t a, std::size_t b) { return series.x[a] < series.x[b]; });
+    std::string x, y;
+    for (const auto i : kept) {
+        x += formatScriptNumber(series.x[i]) + ",";
+        y += formatScriptNumber(series.y[i]) + ",";
+    }
+    return "{name:" + quoteScript(series.name) + ",x:[" + x + "],y:[" + y + "]}";
 }
 
 }  // namespace
@@ -101,67 +69,52 @@ void HtmlReport::addText(const std::string& text) {
     body_ += "<p>" + escapeHtml(text) + "</p>\n";
 }
 
-void HtmlReport::addListing(const std::string& text) {
-    body_ += "<pre>" + escapeHtml(text) + "</pre>\n";
-}
-
 void HtmlReport::addTable(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
     body_ += "<div class=\"table\"><table><thead><tr>";
     for (const auto& cell : header) body_ += "<th scope=\"col\">" + escapeHtml(cell) + "</th>";
     body_ += "</tr></thead><tbody>\n";
+    constexpr std::size_t longest_unbroken = 24;  // numbers and names stay on one line, sentences need not
     for (const auto& row : rows) {
         body_ += "<tr>";
-        for (const auto& cell : row) body_ += "<td>" + escapeHtml(cell) + "</td>";
+        for (const auto& cell : row)
+            body_ += (cell.size() <= longest_unbroken ? "<td class=\"short\">" : "<td>") + escapeHtml(cell) + "</td>";
         body_ += "</tr>\n";
     }
     body_ += "</tbody></table></div>\n";
 }
 
 void HtmlReport::addPlot(const Plot& plot) {
-    // dygraphs wants rows that ascend in x, with null where a series has no value at that x.
-    struct Row {
-        double x;
-        std::size_t series;
-        double y;
-    };
-    std::vector<Row> rows;
-    for (std::size_t s = 0; s < plot.series.size(); ++s) {
-        const auto& series = plot.series[s];
-        const std::size_t count = std::min(series.x.size(), series.y.size());
-        const auto kept =
-            plot.points ? thinOut(count, 4 * buckets_per_series) : decimateByShape(series.y, buckets_per_series);
-        for (const auto i : kept) {
-            if (i < count && std::isfinite(series.x[i])) rows.push_back({series.x[i], s, series.y[i]});
-        }
-    }
-    std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.x < b.x; });
-
     const std::string id = "plot" + std::to_string(++plot_count_);
-    body_ += "<figure><div class=\"plot\" id=\"" + id + "\" role=\"img\" aria-label=\"" + escapeHtml(plot.title) +
-             "\"></div><figcaption>" + escapeHtml(plot.title) + "</figcaption></figure>\n";
-    data_ += "wemsPlot({id:" + quoteScript(id) + ",x:" + quoteScript(plot.x_label) + ",y:" + quoteScript(plot.y_label) +
-             ",points:" + (plot.points ? "true" : "false") + ",names:[";
-    for (const auto& series : plot.series) data_ += quoteScript(series.name) + ",";
-    data_ += "],rows:[";
-    for (const auto& row : rows) {
-        data_ += "[" + formatValue(row.x) + ",";
-        for (std::size_t s = 0; s < plot.series.size(); ++s)
-            data_ += (s == row.series ? formatValue(row.y) : "null") + ",";
-        data_ += "],";
-    }
+    body_ += "<figure><figcaption>" + escapeHtml(plot.title) + "</figcaption><div class=\"plot\" id=\"" + id +
+             "\" role=\"img\" aria-label=\"" + escapeHtml(plot.title) + "\"></div></figure>\n";
+    data_ += "wemsPlot({id:" + quoteScript(id) + ",title:" + quoteScript(plot.title) +
+             ",x:" + quoteScript(plot.x_label) + ",y:" + quoteScript(plot.y_label) +
+             ",points:" + (plot.points ? "true" : "false") + ",series:[";
+    const std::size_t buckets =
+        std::clamp(buckets_per_plot / std::max<std::size_t>(1, plot.series.size()), fewest_buckets, most_buckets);
+    for (const Series& series : plot.series) data_ += formatSeries(series, plot.points, buckets) + ",";
     data_ += "]});\n";
 }
 
+void HtmlReport::addScene(const MotionScene& scene) {
+    const std::string id = "scene" + std::to_string(++scene_count_);
+    body_ +=
+        "<figure class=\"scene\" id=\"" + id + "\"><figcaption>" + escapeHtml(scene.title) + "</figcaption></figure>\n";
+    data_ += "wemsScene(" + quoteScript(id) + "," + formatScene(scene) + ");\n";
+}
+
 std::string HtmlReport::format() const {
+    const auto script = [](const std::string& text) { return "<script>" + text + "</script>\n"; };
     std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n";
     page += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" + escapeHtml(title_) +
             "</title>\n";
     page += "<style>" + report_assets::dygraphsStyle() + report_assets::pageStyle() +
             "</style>\n</head><body>\n<main><h1>" + escapeHtml(title_) + "</h1>\n" + body_ + "</main>\n";
-    if (plot_count_ > 0) {
-        page += "<script>" + report_assets::dygraphsScript() + "</script>\n<script>" + report_assets::pageScript() +
-                data_ + "</script>\n";
-    }
+    if (plot_count_ > 0) page += script(report_assets::dygraphsScript());
+    if (scene_count_ > 0)
+        page += script(report_assets::threeScript()) + script(report_assets::orbitControlsScript()) +
+                script(report_assets::animationScript());
+    if (!data_.empty()) page += script(report_assets::pageScript() + data_);
     return page + "</body></html>\n";
 }
 

@@ -1,6 +1,7 @@
 /// @file
-/// A self-contained HTML page: text, tables and interactive plots, no network at view time. Plots are drawn by dygraphs
-/// (Debian's libjs-dygraphs), which is embedded in the page once.
+/// A self-contained HTML page: text, tables, interactive plots and the device in motion, no network at view time. Plots
+/// are drawn by dygraphs, the device by three.js (Debian's libjs-dygraphs and libjs-three), which are embedded in the
+/// page once, if it needs them.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +9,8 @@
 #include <vector>
 
 namespace wems {
+
+struct MotionScene;
 
 /// A curve or a cloud of points. Values that are not finite leave a gap.
 struct Series {
@@ -32,11 +35,12 @@ public:
 
     void addHeading(const std::string& text);
     void addText(const std::string& text);
-    /// Preformatted text, such as a table as the terminal shows it.
-    void addListing(const std::string& text);
     void addTable(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
-    /// Series of lines are decimated by shape, clouds of points by stride, to some 4000 points each.
+    /// Series of lines are decimated by shape, clouds of points by stride, to some 4000 points each, fewer where there
+    /// are more than six series.
     void addPlot(const Plot& plot);
+    /// The device moving (motion_scene.hpp).
+    void addScene(const MotionScene& scene);
 
     std::string format() const;
     /// Complete or not at all. @throws InputError if the file cannot be written.
@@ -44,7 +48,7 @@ public:
 
 private:
     std::string title_, body_, data_;
-    int plot_count_ = 0;
+    int plot_count_ = 0, scene_count_ = 0;
 };
 
 }  // namespace wems

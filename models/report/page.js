@@ -1,16 +1,69 @@
-// Draws one plot: rows ascend in x, a series without a value at some x has null there.
-function wemsPlot(plot) {
+// Draws one plot: series {name, x, y} ascend in x. dygraphs wants common rows, with null where a series has no value.
+function wemsRows(series) {
+  const rows = new Map();
+  series.forEach((s, column) => s.x.forEach((x, i) => {
+    // A second value at the same x gets a row of its own.
+    let list = rows.get(x);
+    if (!list) rows.set(x, list = []);
+    let row = list.find(r => r[column + 1] === null);
+    if (!row) list.push(row = [x, ...series.map(() => null)]);
+    row[column + 1] = s.y[i];
+  }));
+  return [...rows.keys()].sort((a, b) => a - b).flatMap(x => rows.get(x));
+}
+
+const wemsLight = ["#0969da", "#cf222e", "#1a7f37", "#9a6700", "#8250df", "#bf3989", "#57606a", "#0a7ea4", "#5c3d00", "#e16f24",
+                   "#2f6f4f", "#000080"];
+const wemsDark = ["#58a6ff", "#ff7b72", "#3fb950", "#d29922", "#bc8cff", "#f778ba", "#8b949e", "#39c5cf", "#e3b98a", "#ffa657",
+                  "#9be9a8", "#a5b4fc"];
+
+function wemsStyle() {
   const style = getComputedStyle(document.documentElement);
-  const ink = style.getPropertyValue("--ink").trim();
-  const grid = style.getPropertyValue("--line").trim();
+  const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+  return { axisLineColor: style.getPropertyValue("--ink").trim(), gridLineColor: style.getPropertyValue("--line").trim(),
+           colors: dark ? wemsDark : wemsLight };
+}
+
+// Names of the series below the plot; each is a button that hides and shows its series.
+function wemsLegend(plot, g) {
+  const legend = document.createElement("div");
+  legend.className = "legend";
+  legend.setAttribute("role", "group");
+  legend.setAttribute("aria-label", "Series of: " + plot.title);
+  const swatches = plot.series.map((series, i) => {
+    const button = document.createElement("button"), swatch = document.createElement("i");
+    button.type = "button";
+    button.append(swatch, series.name);
+    button.setAttribute("aria-pressed", "true");
+    button.addEventListener("click", () => {
+      const shown = button.getAttribute("aria-pressed") !== "true";
+      button.setAttribute("aria-pressed", String(shown));
+      g.setVisibility(i, shown);
+    });
+    legend.append(button);
+    return swatch;
+  });
+  document.getElementById(plot.id).after(legend);
+  return () => swatches.forEach((swatch, i) => {
+    const { colors } = wemsStyle();
+    swatch.style.background = colors[i % colors.length];
+  });
+}
+
+function wemsPlot(plot) {
   const format = v => Math.abs(v) >= 1e4 || (v !== 0 && Math.abs(v) < 1e-3) ? v.toExponential(1) : String(+v.toPrecision(4));
-  const g = new Dygraph(document.getElementById(plot.id), plot.rows, {
-    labels: ["x", ...plot.names], xlabel: plot.x, ylabel: plot.y,
+  const g = new Dygraph(document.getElementById(plot.id), wemsRows(plot.series), {
+    labels: ["x", ...plot.series.map(s => s.name)], xlabel: plot.x, ylabel: plot.y,
     connectSeparatedPoints: true, drawPoints: plot.points, strokeWidth: plot.points ? 0 : 1.2, pointSize: 1.2,
-    legend: "follow", labelsSeparateLines: true, axisLineColor: ink, gridLineColor: grid,
-    colors: ["#0969da", "#cf222e", "#1a7f37", "#9a6700", "#8250df", "#bf3989", "#57606a", "#0a7ea4"],
+    legend: "follow", labelsSeparateLines: true, ...wemsStyle(),
     axes: { x: { axisLabelFormatter: format, valueFormatter: v => plot.x + " = " + format(v) },
             y: { axisLabelFormatter: format, valueFormatter: v => String(+v.toPrecision(5)), axisLabelWidth: 64 } },
   });
+  const paintLegend = plot.series.length > 1 ? wemsLegend(plot, g) : () => {};
+  paintLegend();
   addEventListener("resize", () => g.resize());
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    g.updateOptions(wemsStyle());
+    paintLegend();
+  });
 }

@@ -39,6 +39,21 @@ TEST_CASE("inspect shows channels, what is suspicious and what can be identified
     CHECK_THAT(data.output, Contains("\"kind\": \"drop_out\"") && Contains("\"rate\": 1000"));
 }
 
+TEST_CASE("inspect --memory: a recording longer than memory is worked through in blocks") {
+    const TemporaryDirectory folder;
+    folder.write("run.csv", makeRun("mobile.1.z", 15000, 0));
+    const auto whole = runProgram(IDENTIFY_PROGRAM, {"inspect", "run.csv"}, folder.path());
+    const auto blocks =
+        runProgram(IDENTIFY_PROGRAM, {"inspect", "run.csv", "--memory", "1", "--report", "run.html"}, folder.path());
+    CAPTURE(whole.output, blocks.output, blocks.errors);
+    CHECK(blocks.exit_status == 0);
+    for (const auto& shown : {whole.output, blocks.output})
+        CHECK_THAT(shown, Contains("run.csv: CSV, 90000 samples, 15000 Hz, 5.99993 s; sine sweep") &&
+                              Contains("mobile.1.z: drop-out") && Contains("the load is recorded"));
+    CHECK_THAT(blocks.output, Contains("read in 3 blocks of 32768 rows") && Contains("the first of 1 among 3 blocks"));
+    CHECK(folder.list() == std::vector<std::string>{"run.csv", "run.html"});
+}
+
 TEST_CASE("convert and back, and merge of two systems") {
     const TemporaryDirectory folder;
     folder.write("a.csv", makeRun("mobile.1.z", 1000, 0));

@@ -3,16 +3,15 @@
 #include <cmath>
 
 #include "identify/component/reversals.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
 
-constexpr double pi = 3.14159265358979;
-
 Eigen::VectorXd makeSine(double amplitude, int cycles, int per_cycle) {
     Eigen::VectorXd q(cycles * per_cycle);
     for (Eigen::Index i = 0; i < q.size(); ++i)
-        q[i] = amplitude * std::sin(2 * pi * static_cast<double>(i) / per_cycle);
+        q[i] = amplitude * std::sin(kTwoPi * static_cast<double>(i) / per_cycle);
     return q;
 }
 

@@ -17,4 +17,5 @@ message("${output}")
 # The installed programs start, under their prefix.
 foreach(program simulate identify)
   run(${WORK}/installed/bin/${PREFIX}${program} --help)
+  run(bash -n ${WORK}/installed/share/bash-completion/completions/${PREFIX}${program})
 endforeach()

@@ -5,11 +5,10 @@
 
 #include "identify/forward/forward_model.hpp"
 #include "models/excitation.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify::testing {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 double draw(std::mt19937_64& random, double lower, double upper) {
     return std::uniform_real_distribution<double>(lower, upper)(random);
@@ -43,7 +42,7 @@ MountModel makeRandomDevice(std::mt19937_64& random) {
     for (int i = 0; i < count; ++i) {
         Connection connection;
         connection.name = std::to_string(i + 1);
-        const double angle = 2 * kPi * (i + draw(random, -0.15, 0.15)) / count, radius = draw(random, 0.08, 0.12);
+        const double angle = kTwoPi * (i + draw(random, -0.15, 0.15)) / count, radius = draw(random, 0.08, 0.12);
         connection.position = {radius * std::cos(angle), radius * std::sin(angle), draw(random, -0.02, 0.02)};
         for (std::size_t a = 0; a < 3; ++a) {
             auto& law = connection.axis[a];

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "models/pi.hpp"
+
 namespace wems::test {
 
 MountModel makeCross() {
@@ -71,9 +73,9 @@ Eigen::Matrix3Xd makeLoad(const identify::TimeGrid& grid, double amplitude) {
     for (int k = 0; k < grid.samples; ++k) {
         const double t = grid.sampleTime(k);
         const double start = std::min(1.0, t / 0.1);
-        load.col(k) = amplitude * start * start *
-                      Eigen::Vector3d(std::sin(2 * M_PI * 14 * t), std::sin(2 * M_PI * 23 * t + 1),
-                                      std::sin(2 * M_PI * 31 * t + 2));
+        load.col(k) =
+            amplitude * start * start *
+            Eigen::Vector3d(std::sin(kTwoPi * 14 * t), std::sin(kTwoPi * 23 * t + 1), std::sin(kTwoPi * 31 * t + 2));
     }
     return load;
 }

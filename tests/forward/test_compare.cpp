@@ -5,6 +5,7 @@
 #include "identify/forward/compare.hpp"
 #include "models/error.hpp"
 #include "models/excitation.hpp"
+#include "models/pi.hpp"
 #include "tests/forward/forward_fixture.hpp"
 
 using namespace wems;
@@ -96,13 +97,13 @@ TEST_CASE("accelerations alone are compared as displacements above 0.6 times the
     Recording measured;
     measured.file = "m.csv";
     for (int k = 0; k <= 8000; ++k) measured.time.push_back(1e-3 * k);
-    const auto dwell = [](double t) { return std::sin(M_PI * t / 8) * std::sin(2 * M_PI * 10 * t); };
+    const auto dwell = [](double t) { return std::sin(kPi * t / 8) * std::sin(kTwoPi * 10 * t); };
     Recording simulated = measured;
     addChannel(measured, "mobile.1.z", 1e-3, dwell);
     addChannel(simulated, "mobile.1.z", 0, dwell);
     simulated.channels[0].name = "mobile.1.az";
     for (std::size_t k = 0; k < measured.time.size(); ++k) {
-        const double t = measured.time[k], slow = M_PI / 8, fast = 2 * M_PI * 10;
+        const double t = measured.time[k], slow = kPi / 8, fast = kTwoPi * 10;
         simulated.channels[0].values[k] =
             1e-3 * (-(slow * slow + fast * fast) * std::sin(slow * t) * std::sin(fast * t) +
                     2 * slow * fast * std::cos(slow * t) * std::cos(fast * t));

@@ -4,6 +4,7 @@
 
 #include "models/error.hpp"
 #include "models/excitation.hpp"
+#include "models/pi.hpp"
 #include "tests/forward/forward_fixture.hpp"
 
 using namespace wems;
@@ -15,12 +16,11 @@ TEST_CASE("the load between samples is met to fourth order") {
         TimeGrid fine = coarse;
         fine.steps_per_sample = 4;
         Eigen::Matrix3Xd load = Eigen::Matrix3Xd::Zero(3, coarse.samples);
-        for (int k = 0; k < coarse.samples; ++k) load(1, k) = std::sin(2 * M_PI * 50 * coarse.sampleTime(k));
+        for (int k = 0; k < coarse.samples; ++k) load(1, k) = std::sin(kTwoPi * 50 * coarse.sampleTime(k));
         const Drive drive = Drive::makeLoad(test::makeTimes(coarse), load, {}, fine);
         double worst = 0;  // two intervals at each end have lower order
         for (int half = 16; half < fine.halfSteps() - 16; ++half)
-            worst =
-                std::max(worst, std::abs(drive.load()(1, half) - std::sin(2 * M_PI * 50 * fine.halfStepTime(half))));
+            worst = std::max(worst, std::abs(drive.load()(1, half) - std::sin(kTwoPi * 50 * fine.halfStepTime(half))));
         return worst;
     };
     CHECK(measure(1e-3) < 5e-5);

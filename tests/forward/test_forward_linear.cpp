@@ -5,6 +5,7 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "models/bryant.hpp"
+#include "models/pi.hpp"
 #include "tests/forward/forward_fixture.hpp"
 
 using namespace wems;
@@ -126,7 +127,7 @@ TEST_CASE("small motions of body and bracket follow the matrix exponential of M,
     }
     for (int j = 0; j < 3; ++j) {
         const BracketMode& mode = model.bracket[static_cast<std::size_t>(j)];
-        const double omega = 2 * M_PI * mode.frequency;
+        const double omega = kTwoPi * mode.frequency;
         K(6 + j, 6 + j) += omega * omega;
         C(6 + j, 6 + j) += 2 * mode.damping_ratio * omega;
     }

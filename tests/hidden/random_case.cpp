@@ -8,12 +8,12 @@
 #include "identify/forward/step_size.hpp"
 #include "models/bryant.hpp"
 #include "models/excitation.hpp"
+#include "models/pi.hpp"
 #include "tests/hidden/truth_simulator.hpp"
 
 namespace wems::hidden {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSmallest = 0.03, kLargest = 0.5;  // change of the motion
 constexpr double kChaotic = 30;                     // amplification
 constexpr int kAttempts = 400;
@@ -135,9 +135,9 @@ double OutsideEffect::calcForce(const Eigen::Vector3d& q, double time) const {
         case Kind::none:
             return 0;
         case Kind::periodic_stiffness:
-            return size * q[axis] * std::sin(2 * kPi * frequency * time);
+            return size * q[axis] * std::sin(kTwoPi * frequency * time);
         case Kind::disturbance:
-            return size * std::sin(2 * kPi * frequency * time);
+            return size * std::sin(kTwoPi * frequency * time);
         case Kind::cross_axis:
             return size * std::pow(q[other_axis] / length, 2);
         case Kind::buckling:

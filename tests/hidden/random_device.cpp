@@ -1,12 +1,11 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "models/pi.hpp"
 #include "tests/hidden/random_case.hpp"
 
 namespace wems::hidden {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 BracketMode drawMode(Random& random, double frequency, double mass, int translation, int rotation, double lever) {
     BracketMode mode;
@@ -52,7 +51,7 @@ MountModel drawDevice(Random& random) {
     const double gyration = drawUniform(random, 0.06, 0.1);
     for (int a = 0; a < 3; ++a)
         model.body.inertia(a, a) = mass * gyration * gyration * drawUniform(random, 0.85, 1.15) * (a == 2 ? 0.8 : 1.0);
-    const double w = 2 * kPi * drawUniform(random, 24, 34);
+    const double w = kTwoPi * drawUniform(random, 24, 34);
     const double axial = mass * w * w / count, lateral = axial * drawUniform(random, 0.22, 0.6);
     const double damping = drawUniform(random, 0.02, 0.06) * 2 / w;
     const double clearance = drawUniform(random, 1.0e-3, 2.2e-3);
@@ -60,7 +59,7 @@ MountModel drawDevice(Random& random) {
     for (int i = 0; i < count; ++i) {
         Connection connection;
         connection.name = std::to_string(i + 1);
-        const double angle = 2 * kPi * (i + drawUniform(random, -0.15, 0.15)) / count;
+        const double angle = kTwoPi * (i + drawUniform(random, -0.15, 0.15)) / count;
         const double radius = drawUniform(random, 0.06, 0.12);
         connection.position = {radius * std::cos(angle), radius * std::sin(angle), drawUniform(random, -0.02, 0.03)};
         for (std::size_t a = 0; a < 3; ++a) {

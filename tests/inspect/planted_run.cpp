@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "models/pi.hpp"
+
 namespace wems::test {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 double uniform(std::mt19937& random, double from, double to) {
     return std::uniform_real_distribution<double>(from, to)(random);
@@ -63,10 +63,10 @@ Recording makeSweptRun(std::mt19937& random) {
         run.time.push_back(static_cast<double>(k) / rate);
         const bool driven = t >= 0 && t <= duration;
         const double f = from * std::exp(octaves * std::clamp(t, 0.0, duration));
-        const double phase = 2 * pi * (f - from) / octaves;
+        const double phase = kTwoPi * (f - from) / octaves;
         const double r = f / resonance, real = 1 - r * r, imaginary = 2 * damping * r;
         const double amplitude = driven ? 1e-3 / std::hypot(real, imaginary) : 0;
-        const double lag = phase - std::atan2(imaginary, real), omega = 2 * pi * f;
+        const double lag = phase - std::atan2(imaginary, real), omega = kTwoPi * f;
         // Bent near the resonance: harmonics and a shift of the middle grow with the square of the amplitude.
         const double height = amplitude * 2 * damping / 1e-3;
         load.push_back(driven ? 200 * std::sin(phase) : 0);
@@ -131,9 +131,9 @@ Planted plant(int kind, Recording& run, std::mt19937& random) {
         case 5: {
             const double part = logUniform(random, 0.01, 0.1);
             const double f = (random() % 2 == 0 ? 50 : 60) + uniform(random, -0.05, 0.05);
-            const double phase = uniform(random, 0, 2 * pi);
+            const double phase = uniform(random, 0, kTwoPi);
             for (std::size_t k = 0; k < v.size(); ++k)
-                v[k] += part * rms * std::sqrt(2.0) * std::sin(2 * pi * f * run.time[k] + phase);
+                v[k] += part * rms * std::sqrt(2.0) * std::sin(kTwoPi * f * run.time[k] + phase);
             return {FindingKind::hum, channel.name, sizeText(part) + " of the RMS at " + sizeText(f) + " Hz"};
         }
         case 6: {

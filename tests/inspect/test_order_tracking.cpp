@@ -4,13 +4,10 @@
 #include <random>
 
 #include "identify/inspect/order_tracking.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
-namespace {
-
-constexpr double pi = 3.14159265358979323846;
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("Amplitude and phase of three orders along a sweep") {
     // Load sin φ; response with orders of known amplitude, each with a known phase against the load.
@@ -22,7 +19,7 @@ TEST_CASE("Amplitude and phase of three orders along a sweep") {
     Recording run;
     Channel load{"load.fz", "", {}, 0}, z{"mobile.1.z", "", {}, 0};
     for (int k = 0; k < 15000; ++k) {
-        const double t = k / 1000.0, f = from * std::exp(rate * t), phase = 2 * pi * (f - from) / rate;
+        const double t = k / 1000.0, f = from * std::exp(rate * t), phase = kTwoPi * (f - from) / rate;
         run.time.push_back(t);
         load.values.push_back(200 * std::cos(phase));
         const double a = 1e-3 * f / to;

@@ -7,16 +7,15 @@
 #include "identify/merge/merge.hpp"
 #include "identify/merge/resampling.hpp"
 #include "models/error.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
 /// A sweep from 5 to 50 Hz in 20 s, from 0 s on.
 double sweepAt(double t) {
     const double rate = std::log(10.0) / 20;
-    return t < 0 || t > 20 ? 0 : std::sin(2 * pi * 5 * (std::exp(rate * t) - 1) / rate) * std::min(1.0, t);
+    return t < 0 || t > 20 ? 0 : std::sin(kTwoPi * 5 * (std::exp(rate * t) - 1) / rate) * std::min(1.0, t);
 }
 
 Recording record(const std::string& file, double from, double to, double rate, double clock, const std::string& own,
@@ -42,13 +41,13 @@ TEST_CASE("What is in the band passes, what is above half of the new rate is gon
     const double frequency = GENERATE(3.0, 20.0, 40.0, 55.0, 90.0, 180.0, 400.0);
     CAPTURE(frequency);
     UniformSignal signal{0.25, 1e-3, {}};
-    for (int k = 0; k < 5000; ++k) signal.values.push_back(std::sin(2 * pi * frequency * (0.25 + 1e-3 * k) + 0.3));
+    for (int k = 0; k < 5000; ++k) signal.values.push_back(std::sin(kTwoPi * frequency * (0.25 + 1e-3 * k) + 0.3));
     const double interval = 0.0101;  // 99 Hz, half of it 49.5
     const UniformSignal result = resample(signal, 1.0003, interval, 300);
     double error = 0, level = 0;
     for (std::size_t k = 0; k < result.values.size(); ++k) {
         const double t = 1.0003 + interval * static_cast<double>(k);
-        error = std::max(error, std::abs(result.values[k] - std::sin(2 * pi * frequency * t + 0.3)));
+        error = std::max(error, std::abs(result.values[k] - std::sin(kTwoPi * frequency * t + 0.3)));
         level = std::max(level, std::abs(result.values[k]));
     }
     if (frequency < 0.42 * 99) {

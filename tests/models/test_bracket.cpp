@@ -3,6 +3,7 @@
 
 #include "models/bracket.hpp"
 #include "models/bryant.hpp"
+#include "models/pi.hpp"
 #include "tests/models/random_values.hpp"
 
 using namespace wems;
@@ -74,7 +75,7 @@ TEST_CASE("bracket: a single mode rings at its frequency with its damping, drive
     mode.damping_ratio = 0.02;
     mode.base_participation = {0, 0, 4};
     const Bracket bracket({mode});
-    const double omega = 2 * M_PI * 30;
+    const double omega = kTwoPi * 30;
     VectorXd second(1);
     bracket.calcAccelerations(VectorXd::Constant(1, 0.5), VectorXd::Constant(1, 3.0), {}, Vector3d::Zero(), {0, 0, 2},
                               second);

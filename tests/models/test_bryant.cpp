@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "models/bryant.hpp"
+#include "models/pi.hpp"
 #include "tests/models/random_values.hpp"
 
 using namespace wems;
@@ -49,7 +50,7 @@ TEST_CASE("Bryant angles come back, and angular velocity agrees with finite diff
 }
 
 TEST_CASE("Bryant angles say so where they are singular") {
-    const double beta = GENERATE(M_PI / 2, -M_PI / 2);
+    const double beta = GENERATE(kPi / 2, -kPi / 2);
     const Vector3d angles(0.4, beta, 0);
     CHECK_THROWS_AS(bryantFromRotation(rotationFromBryant(angles)), std::domain_error);
     CHECK_THROWS_AS(angularVelocityToBryantRates(angles), std::domain_error);
@@ -64,7 +65,7 @@ TEST_CASE("rotation vectors: exponential, inverse, and Jacobian, small and large
     const Vector3d v = random.vector(size), rate = random.vector(1), second = random.vector(1);
     const double angle = v.norm();
     CHECK(rotationFromVector(v).isApprox(turn(angle, v / angle), 1e-14));
-    if (angle < M_PI) CHECK((vectorFromRotation(rotationFromVector(v)) - v).norm() <= 1e-14 + 1e-12 * angle);
+    if (angle < kPi) CHECK((vectorFromRotation(rotationFromVector(v)) - v).norm() <= 1e-14 + 1e-12 * angle);
     const Vector3d w = measureAngularVelocity([&](double t) { return rotationFromVector(v + t * rate); });
     CHECK((leftJacobian(v) * rate - w).norm() < 1e-8);
     // Angular acceleration along v(t) = v + t v' + t²/2 v''.
@@ -77,8 +78,8 @@ TEST_CASE("rotation vectors: exponential, inverse, and Jacobian, small and large
 }
 
 TEST_CASE("rotation vector of half a turn") {
-    const Vector3d v = M_PI * Vector3d(1, 2, -2) / 3;
-    const Vector3d back = vectorFromRotation(turn(M_PI, Vector3d(1, 2, -2) / 3));
+    const Vector3d v = kPi * Vector3d(1, 2, -2) / 3;
+    const Vector3d back = vectorFromRotation(turn(kPi, Vector3d(1, 2, -2) / 3));
     CHECK(std::min((back - v).norm(), (back + v).norm()) < 1e-7);
 }
 

@@ -7,6 +7,7 @@
 
 #include "models/error.hpp"
 #include "models/excitation.hpp"
+#include "models/pi.hpp"
 
 using namespace wems;
 
@@ -25,7 +26,7 @@ TEST_CASE("sweeps: the phase is the integral of the frequency, which runs from f
     for (int i = 0; i < steps; ++i) {
         const double a = T * i / steps, b = T * (i + 1) / steps;
         phase +=
-            2 * M_PI * (b - a) / 6 * (signal->frequency(a) + 4 * signal->frequency((a + b) / 2) + signal->frequency(b));
+            kTwoPi * (b - a) / 6 * (signal->frequency(a) + 4 * signal->frequency((a + b) / 2) + signal->frequency(b));
         if (i % 1000 == 0) {
             CHECK(signal->phase(b) == Approx(phase).margin(1e-7));
             CHECK(signal->value(b) == Approx(std::sin(phase)).margin(1e-6));
@@ -46,9 +47,9 @@ TEST_CASE("logarithmic sweep: rate in octaves per minute") {
 
 TEST_CASE("fades rise and fall as raised cosines") {
     const auto plain = makeDwell(40, 2), faded = makeDwell(40, 2, {0.5, 0.25});
-    CHECK(faded->value(0.25 + 1e-3) / plain->value(0.25 + 1e-3) == Approx(0.5 * (1 - std::cos(M_PI * 0.502))));
+    CHECK(faded->value(0.25 + 1e-3) / plain->value(0.25 + 1e-3) == Approx(0.5 * (1 - std::cos(kPi * 0.502))));
     CHECK(faded->value(1.003) == plain->value(1.003));
-    CHECK(faded->value(1.9) / plain->value(1.9 + 0) == Approx(0.5 * (1 - std::cos(M_PI * 0.4))));
+    CHECK(faded->value(1.9) / plain->value(1.9 + 0) == Approx(0.5 * (1 - std::cos(kPi * 0.4))));
     CHECK_THROWS_AS(makeDwell(40, 2, {1.5, 0.6}), InputError);
     CHECK_THROWS_AS(makeDwell(40, 2, {-0.1, 0}), InputError);
 }
@@ -74,7 +75,7 @@ TEST_CASE("random: unit RMS, inside its band, the same for the same seed only") 
     const auto power = [&](double f) {
         std::complex<double> sum = 0;
         for (int i = 0; i < n; ++i)
-            sum += samples[static_cast<std::size_t>(i)] * std::polar(1.0, -2 * M_PI * f * i / rate);
+            sum += samples[static_cast<std::size_t>(i)] * std::polar(1.0, -kTwoPi * f * i / rate);
         return std::norm(sum / double(n));
     };
     double inside = 0, outside = 0;

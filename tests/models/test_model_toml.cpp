@@ -10,6 +10,7 @@
 
 #include "models/error.hpp"
 #include "models/mount_forces.hpp"
+#include "models/pi.hpp"
 #include "tests/models/random_values.hpp"
 
 using namespace wems;
@@ -229,7 +230,7 @@ TEST_CASE("shipped models: linear frequencies") {
         const VectorXd step = 1e-6 * VectorXd::Unit(n, j);
         A.col(j) = (accelerations(step) - accelerations(-step)) / 2e-6;
     }
-    VectorXd hertz = (-A).eigenvalues().real().cwiseSqrt() / (2 * M_PI);
+    VectorXd hertz = (-A).eigenvalues().real().cwiseSqrt() / kTwoPi;
     std::sort(hertz.data(), hertz.data() + n);
     const double published[] = {11.2, 11.4, 29.5, 30.5, 31.2, 32.4, 35.3, 37.8, 45.3};
     for (int j = 0; j < 9; ++j) CHECK(hertz[j] == Approx(published[j]).margin(0.1));
@@ -238,6 +239,6 @@ TEST_CASE("shipped models: linear frequencies") {
 TEST_CASE("shipped models: the single axis has the frequency and damping that its header says") {
     const MountModel model = readMountModel(source + "/models/shipped/single_axis.toml");
     const AxisLaw& z = model.connections[0].axis[2];
-    CHECK(std::sqrt(z.stiffness / model.body.mass) / (2 * M_PI) == Approx(15.9).margin(0.05));
+    CHECK(std::sqrt(z.stiffness / model.body.mass) / kTwoPi == Approx(15.9).margin(0.05));
     CHECK(z.damping / (2 * std::sqrt(z.stiffness * model.body.mass)) == Approx(0.025));
 }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "models/mount_forces.hpp"
+#include "models/pi.hpp"
 #include "tests/models/random_values.hpp"
 
 using namespace wems;
@@ -40,7 +41,7 @@ FrameMotion advance(const FrameMotion& f, double h) {
 
 TEST_CASE("relative motion: by hand, and its velocity by finite differences") {
     // Fixed part turned by 90° about z; the mobile part not: the end (1, 0, 0) is seen at (0, −1, 0) from F.
-    const FrameMotion turned{rotationFromVector({0, 0, M_PI / 2}), {0, 0, 0.5}, Vector3d::Zero(), Vector3d::Zero()};
+    const FrameMotion turned{rotationFromVector({0, 0, kPi / 2}), {0, 0, 0.5}, Vector3d::Zero(), Vector3d::Zero()};
     const RelativeMotion seen = calcRelativeMotion({}, turned, {1, 0, 0});
     CHECK((seen.q - Vector3d(-1, -1, -0.5)).norm() < 1e-15);
 

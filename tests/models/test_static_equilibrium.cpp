@@ -3,6 +3,7 @@
 
 #include "models/error.hpp"
 #include "models/mount_forces.hpp"
+#include "models/pi.hpp"
 #include "tests/models/random_values.hpp"
 
 using namespace wems;
@@ -52,7 +53,7 @@ TEST_CASE("equilibrium on a bracket: deflections in series") {
     mode.translation = {0, 0, 0.5};
     model.bracket = {mode};
     const StaticEquilibrium rest = findStaticEquilibrium(model);
-    const double omega = 2 * M_PI * 40;
+    const double omega = kTwoPi * 40;
     const double eta = -0.5 * 18 / (omega * omega);
     REQUIRE(rest.eta.size() == 1);
     CHECK(rest.eta[0] == Approx(eta).epsilon(1e-9));

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "models/axis_law.hpp"
+#include "models/pi.hpp"
 
 using namespace wems;
 
@@ -11,7 +12,7 @@ namespace {
 
 /// Complex stiffness by steady-state simulation of the force law itself: the states follow their own derivative.
 std::complex<double> measureComplexStiffness(const AxisForce& force, double frequency) {
-    const double omega = 2 * M_PI * frequency;
+    const double omega = kTwoPi * frequency;
     const int steps_per_period = 400, periods = 60;
     const double dt = 1 / frequency / steps_per_period;
     std::vector<double> z(static_cast<std::size_t>(force.stateCount())), a(z), b(z), middle(z);

@@ -4,13 +4,10 @@
 #include <cmath>
 
 #include "models/bryant.hpp"
+#include "models/pi.hpp"
 
 namespace wems::test {
-namespace {
-
-constexpr double pi = 3.14159265358979323846;
-
-}  // namespace
+namespace {}  // namespace
 
 AnalyticMotion::AnalyticMotion(std::mt19937& random, double amplitude, double angle, double lowest, double highest) {
     std::uniform_real_distribution<double> unit(0, 1);
@@ -18,7 +15,7 @@ AnalyticMotion::AnalyticMotion(std::mt19937& random, double amplitude, double an
         for (int j = 0; j < 2; ++j) {
             amplitude_(i, j) = (i < 3 ? amplitude : angle) * (0.3 + 0.2 * unit(random));
             frequency_(i, j) = lowest + (highest - lowest) * unit(random);
-            phase_(i, j) = 2 * pi * unit(random);
+            phase_(i, j) = kTwoPi * unit(random);
         }
     }
 }
@@ -26,8 +23,8 @@ AnalyticMotion::AnalyticMotion(std::mt19937& random, double amplitude, double an
 double AnalyticMotion::sum(int i, double t, int derivative) const {
     double value = 0;
     for (int j = 0; j < 2; ++j) {
-        const double w = 2 * pi * frequency_(i, j);
-        value += amplitude_(i, j) * std::pow(w, derivative) * std::sin(w * t + phase_(i, j) + derivative * pi / 2);
+        const double w = kTwoPi * frequency_(i, j);
+        value += amplitude_(i, j) * std::pow(w, derivative) * std::sin(w * t + phase_(i, j) + derivative * kPi / 2);
     }
     return value;
 }

@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "identify/motion/fusion.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double h = 1e-3;
 
 struct Trajectory {
@@ -17,7 +17,7 @@ struct Trajectory {
 
 Trajectory makeSine(double frequency, Eigen::Index n) {
     Trajectory result{Eigen::VectorXd(n), Eigen::VectorXd(n), Eigen::VectorXd(n)};
-    const double w = 2 * pi * frequency;
+    const double w = kTwoPi * frequency;
     for (Eigen::Index k = 0; k < n; ++k) {
         const double phase = w * h * static_cast<double>(k) + 0.3;
         result.x[k] = std::sin(phase);
@@ -30,7 +30,7 @@ Trajectory makeSine(double frequency, Eigen::Index n) {
 /// A mass on a spring that meets a stop: m x'' = −k x − k_s max(0, x − c), in closed form sampled from steps of 1 µs
 /// (velocity Verlet, error 1e-7 of the amplitude).
 Trajectory makeImpacts(Eigen::Index n) {
-    const double k = std::pow(2 * pi * 20, 2), stop = 1.6e5, clearance = 1.0e-3;
+    const double k = std::pow(kTwoPi * 20, 2), stop = 1.6e5, clearance = 1.0e-3;
     const auto force = [&](double x) { return -k * x - (x > clearance ? stop * (x - clearance) : 0); };
     const double step = 1e-6;
     double x = 0, v = 0.25, a = force(x);
@@ -86,7 +86,7 @@ TEST_CASE("Fused displacement has the noise that theory allows") {
     double variance = 0;
     const int bins = 20000;
     for (int i = 0; i < bins; ++i) {
-        const double second = (2 - 2 * std::cos(pi * (i + 0.5) / bins)) / (h * h);
+        const double second = (2 - 2 * std::cos(kPi * (i + 0.5) / bins)) / (h * h);
         variance += sigma_x * sigma_x / (1 + std::pow(sigma_x * second / sigma_a, 2)) / bins;
     }
     CHECK(rms(fused.x) == Approx(std::sqrt(variance)).epsilon(0.1));

@@ -5,11 +5,10 @@
 
 #include "identify/motion/mobile_jacobian.hpp"
 #include "models/bryant.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 struct Case {
     unsigned seed = std::random_device{}();
@@ -37,7 +36,7 @@ TEST_CASE("Jacobian agrees with central differences up to 80 degrees") {
     CAPTURE(c.seed);
     const MobileJacobian jacobian(c.ends, c.center);
     for (int trial = 0; trial < 50; ++trial) {
-        const Coordinates q = c.draw(80 * pi / 180);
+        const Coordinates q = c.draw(80 * kPi / 180);
         const auto J = jacobian.calcJacobian(q);
         REQUIRE(J.rows() == 12);
         for (int i = 0; i < 6; ++i) {
@@ -58,7 +57,7 @@ TEST_CASE("Power of end forces equals power of generalised forces and of the wre
     CAPTURE(c.seed);
     const MobileJacobian jacobian(c.ends, c.center);
     for (int trial = 0; trial < 50; ++trial) {
-        const Coordinates q = c.draw(80 * pi / 180), rates = c.draw(3.0);
+        const Coordinates q = c.draw(80 * kPi / 180), rates = c.draw(3.0);
         Eigen::Matrix3Xd f(3, 4);
         for (Eigen::Index i = 0; i < f.size(); ++i) f.data()[i] = 100 * c.unit(c.random);
         const Eigen::Map<const Eigen::VectorXd> forces(f.data(), 12);
@@ -82,7 +81,7 @@ TEST_CASE("Jacobian is singular at beta = ±90 degrees only, and the program say
     CAPTURE(c.seed);
     const MobileJacobian jacobian(c.ends, c.center);
     Coordinates q = c.draw(1.0);
-    for (const double beta : {-pi / 2, pi / 2}) {
+    for (const double beta : {-kPi / 2, kPi / 2}) {
         q[4] = beta;
         CHECK(findRank(jacobian.calcJacobian(q)) == 5);
         CHECK(findRank(jacobian.calcVelocityJacobian(q)) == 6);

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "models/bryant.hpp"
+#include "models/pi.hpp"
 #include "plugin/mount_force.hpp"
 #include "plugin/simulation.hpp"
 #include "tests/plugin/sample_models.hpp"
@@ -16,8 +17,6 @@ using SimTK::Transform;
 using SimTK::Vec3;
 
 namespace {
-
-constexpr double two_pi = 6.283185307179586;
 
 std::shared_ptr<const Drive> makeLoadDwell(double frequency, double duration, const Eigen::Vector3d& force,
                                            double fade = 0) {
@@ -62,7 +61,7 @@ TEST_CASE("steady vibration agrees with the frequency domain") {
     model.connections[0].axis[2].relaxation = Relaxation{ratio, tau};
     for (BracketMode& mode : model.bracket) mode.damping_ratio = 0.08;
 
-    const double frequency = 22, omega = two_pi * frequency;
+    const double frequency = 22, omega = kTwoPi * frequency;
     const std::complex<double> i(0, 1);
     const Eigen::Vector3d force(20, -30, 40);
     const Eigen::Index n = 10;
@@ -79,7 +78,7 @@ TEST_CASE("steady vibration agrees with the frequency domain") {
     Eigen::VectorXd load = Eigen::VectorXd::Zero(n);
     for (int j = 0; j < 4; ++j) {
         const BracketMode& mode = model.bracket[static_cast<std::size_t>(j)];
-        const double natural = two_pi * mode.frequency;
+        const double natural = kTwoPi * mode.frequency;
         dynamic(6 + j, 6 + j) += natural * natural + 2.0 * i * omega * mode.damping_ratio * natural;
         load(6 + j) = mode.load_translation.dot(force);
     }
@@ -194,7 +193,7 @@ TEST_CASE("bracket modes as auxiliary states move like bodies on sliders") {
 
 TEST_CASE("base acceleration moves the device like a base that moves") {
     const MountModel model = test::withLosses(test::withStops(test::makeRigidModel()));
-    const double frequency = 20, omega = two_pi * frequency, level = 60, duration = 0.2;
+    const double frequency = 20, omega = kTwoPi * frequency, level = 60, duration = 0.2;
     const auto drive = makeSignalDrive(makeDwell(frequency, 1), Eigen::Vector3d::Zero(), {0, 0, level}, true);
     Device device(model, drive, duration);
     const State accelerated = integrate(device.system(), device.makeRestState(), duration, 1e-9);

@@ -3,13 +3,12 @@
 #include <cmath>
 
 #include "models/linear_modes.hpp"
+#include "models/pi.hpp"
 #include "tests/plugin/sample_models.hpp"
 
 using namespace wems;
 
-namespace {
-constexpr double two_pi = 6.283185307179586;
-}
+namespace {}
 
 TEST_CASE("the shipped small satellite has the published coupled frequencies") {
     const MountModel model = readMountModel(WEMS_SOURCE_DIR "/models/shipped/smallsat_wems.toml");
@@ -37,8 +36,8 @@ TEST_CASE("one mass on one spring, off centre: bounce and rock by hand") {
         model.connections.push_back(connection);
     }
     const LinearModes modes = findLinearModes(linearize(model, 15));
-    const double bounce = std::sqrt(2 * k / 2) / two_pi, rock = std::sqrt(2 * k * a * a / 0.02) / two_pi;
-    const double slide = std::sqrt(2 * lateral / 2) / two_pi, yaw = std::sqrt(2 * lateral * a * a / 0.03) / two_pi;
+    const double bounce = std::sqrt(2 * k / 2) / kTwoPi, rock = std::sqrt(2 * k * a * a / 0.02) / kTwoPi;
+    const double slide = std::sqrt(2 * lateral / 2) / kTwoPi, yaw = std::sqrt(2 * lateral * a * a / 0.03) / kTwoPi;
     for (const double expected : {bounce, rock, slide, yaw, 0.0}) {  // nothing holds the rotation about x
         CAPTURE(expected, modes.frequency.transpose());
         CHECK((modes.frequency.array() - expected).abs().minCoeff() < 1e-6 * bounce + 1e-3 * (expected == 0));
@@ -57,7 +56,7 @@ TEST_CASE("gravity: a pendulum below its mount, and no equilibrium on top of a n
     for (AxisLaw& law : connection.axis) law.stiffness = 1e9;
     model.connections.push_back(connection);
     const LinearModes modes = findLinearModes(linearize(model, 15));
-    const double pendulum = std::sqrt(3 * 9.81 * 0.2 / (0.04 + 3 * 0.04)) / two_pi;
+    const double pendulum = std::sqrt(3 * 9.81 * 0.2 / (0.04 + 3 * 0.04)) / kTwoPi;
     CAPTURE(modes.frequency.transpose());
     CHECK(modes.frequency(0) < 1e-3);  // turning about the vertical
     CHECK(modes.frequency(1) == Approx(pendulum).epsilon(1e-5));
@@ -76,7 +75,7 @@ TEST_CASE("a Maxwell branch stiffens and damps as E' and E'' at the reference fr
     for (Connection& connection : model.connections)
         for (AxisLaw& law : connection.axis) law.relaxation.reset();
     const LinearSystem without = linearize(model, frequency);
-    const double wt = two_pi * frequency * tau;
+    const double wt = kTwoPi * frequency * tau;
     const double storage = 1 + ratio * wt * wt / (1 + wt * wt), loss = ratio * tau / (1 + wt * wt);
     CHECK((with.stiffness - storage * without.stiffness).norm() < 1e-6 * without.stiffness.norm());
     CHECK((with.damping - loss * without.stiffness).norm() < 1e-6 * with.damping.norm());

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "models/pi.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "tests/cli/run_program.hpp"
 
@@ -107,7 +108,7 @@ TEST_CASE("a sweep is recorded, told, and replayed") {
     REQUIRE(recording.find("load.fz") != nullptr);
     for (const std::size_t k : {50U, 300U}) {
         const double t = recording.time[k];
-        const double phase = 2 * M_PI * 40 * (std::pow(2, -t) - 1) / (-std::log(2));
+        const double phase = wems::kTwoPi * 40 * (std::pow(2, -t) - 1) / (-std::log(2));
         CHECK(recording.find("load.fz")->values[k] == Approx(500 * std::sin(phase)).margin(1e-5));
     }
     std::ifstream file(folder.path() + "/summary.json");

@@ -70,6 +70,24 @@ TEST_CASE("Damaged files of OpenSim are refused") {
                       Contains("no line `endheader`"));
 }
 
+TEST_CASE("MATLAB files whose sizes cannot be true are refused before memory is taken for them") {
+    CHECK_THROWS_WITH(readRecording(folder + "damaged_name_length.mat"), Contains("is damaged or cut off"));
+    const auto refuses = [](const std::string& bytes) {
+        const test::TemporaryFile file(bytes);
+        const std::string named = file.path() + ".mat";
+        std::filesystem::copy_file(file.path(), named);
+        CHECK_THROWS_WITH(readRecording(named), Contains("is damaged or cut off"));
+        std::filesystem::remove(named);
+    };
+    const std::string good = load("scipy_channels.mat");
+    refuses(good.substr(0, good.size() - 20));
+    std::string many = good;
+    many[0xA3] = '\x10';  // the number of rows of the structure array
+    refuses(many);
+    const std::string old("\0\0\0\0\0\0\1\0\1\0\0\0\0\0\0\0\2\0\0\0a\0", 22);  // version 4: 65536 rows
+    refuses(old + std::string(100, 'x'));
+}
+
 TEST_CASE("A name that promises another content") {
     const test::TemporaryFile file("time [s],mobile.1.x [m]\n0,1\n1,2\n");
     const auto extension = GENERATE(as<std::string>(), ".trc", ".sto", ".mot", ".uff", ".unv", ".mat", ".h5");

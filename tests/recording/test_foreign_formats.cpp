@@ -1,8 +1,11 @@
 // Files that other programs wrote, all of the same run (data/make_samples.py): the formulas are the expectation.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include "models/error.hpp"
+#include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_reader.hpp"
 
 using namespace wems;
@@ -59,6 +62,18 @@ struct Sample {
 };
 
 }  // namespace
+
+TEST_CASE("Several tabs between the settings of a .trc, as some motion capture programs write them") {
+    std::ifstream stream(folder + "markers.trc", std::ios::binary);
+    std::string text{std::istreambuf_iterator<char>(stream), {}};
+    const auto row = text.find("1000.00\t1000.00\t32");
+    REQUIRE(row != std::string::npos);
+    const auto end = text.find('\n', row);
+    for (auto at = text.rfind('\t', end); at != std::string::npos && at > row; at = text.rfind('\t', at - 1))
+        text.insert(at, 1, '\t');
+    CHECK(readTrc(text, "run.trc").metadata.at("Units") == "mm");
+    CHECK(readTrc(text, "run.trc").metadata.at("NumMarkers") == "2");
+}
 
 TEST_CASE("The same run out of every format") {
     const auto nodes = std::string(

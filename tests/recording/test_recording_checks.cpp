@@ -5,6 +5,7 @@
 #include <random>
 
 #include "models/error.hpp"
+#include "models/pi.hpp"
 #include "models/recording/recording_checks.hpp"
 
 using namespace wems;
@@ -12,7 +13,6 @@ using Catch::Contains;
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 const double nan_value = std::numeric_limits<double>::quiet_NaN();
 
 /// Two connections' axial motion, 400 samples at 1 kHz; the first sample stands in row 2 of the file.
@@ -24,9 +24,9 @@ Recording makeSweep() {
     for (int i = 0; i < 400; ++i) {
         const double t = 1e-3 * i;
         recording.time.push_back(t);
-        recording.channels[0].values.push_back(1.0e-3 * std::sin(2 * pi * 20 * t));
-        recording.channels[1].values.push_back(0.8e-3 * std::sin(2 * pi * 20 * t + 0.3));
-        recording.channels[2].values.push_back(200 * std::cos(2 * pi * 20 * t));
+        recording.channels[0].values.push_back(1.0e-3 * std::sin(kTwoPi * 20 * t));
+        recording.channels[1].values.push_back(0.8e-3 * std::sin(kTwoPi * 20 * t + 0.3));
+        recording.channels[2].values.push_back(200 * std::cos(kTwoPi * 20 * t));
     }
     return recording;
 }

@@ -1,10 +1,10 @@
-#include "plugin/progress.hpp"
+#include "models/progress.hpp"
 
 #include <unistd.h>
 
 #include <cstdio>
 
-namespace wems::plugin {
+namespace wems {
 namespace {
 constexpr std::chrono::milliseconds silence{1000}, interval{200};
 }
@@ -25,11 +25,25 @@ bool Progress::due() const {
 void Progress::show(double fraction, const std::string& what) {
     if (!due()) return;
     last_ = std::chrono::steady_clock::now();
-    shown_ = true;
     const double spent = std::chrono::duration<double>(last_ - start_).count();
     const double left = fraction > 0 ? spent * (1 - fraction) / fraction : 0;
-    std::fprintf(stderr, "\r\033[K%3.0f %%  %s, %.0f s left", 100 * fraction, what.c_str(), left);
+    char numbers[64];
+    std::snprintf(numbers, sizeof numbers, "%3.0f %%, %.0f s left: ", 100 * fraction, left);
+    write(numbers + what);
+}
+
+void Progress::step(const std::string& what) {
+    if (!wanted_) return;
+    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    char time[32];
+    std::snprintf(time, sizeof time, "%3.0f s: ", spent);
+    write(time + what);
+}
+
+void Progress::write(const std::string& line) {
+    shown_ = true;
+    std::fprintf(stderr, "\r\033[K%s", line.c_str());
     std::fflush(stderr);
 }
 
-}  // namespace wems::plugin
+}  // namespace wems

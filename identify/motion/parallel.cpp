@@ -1,4 +1,6 @@
-#include "identify/diagnose/parallel.hpp"
+#include "identify/motion/parallel.hpp"
+
+#include <fftw3.h>
 
 #include <atomic>
 #include <exception>
@@ -8,6 +10,7 @@ namespace wems::identify {
 
 void runParallel(std::size_t count, const std::function<void(std::size_t)>& work) {
     if (count == 0) return;
+    fftw_make_planner_thread_safe();  // plans are made within the pieces
     std::atomic<std::size_t> next{0};
     std::exception_ptr failures[2];
     const auto loop = [&](std::exception_ptr& failure) {

@@ -5,10 +5,10 @@
 #include <chrono>
 #include <string>
 
-namespace wems::plugin {
+namespace wems {
 
-/// One line on standard error that is overwritten a few times a second: what has been done, how fast, the time left.
-/// Writes nothing where standard error is not a terminal, nor within the first second.
+/// One line on standard error that is overwritten: what is being done and the time left. It goes with the object.
+/// Writes nothing where standard error is not a terminal.
 class Progress {
 public:
     explicit Progress(bool wanted);
@@ -16,15 +16,20 @@ public:
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
+    /// A few times a second, and not within the first one.
     /// @param fraction done, 0 to 1
     /// @param what     where the run is, such as `t = 12.3 s`
     void show(double fraction, const std::string& what);
     /// True where show() would write now; spares its caller the text otherwise.
     bool due() const;
+    /// At once, for steps whose length is not known beforehand: the step and the time spent so far.
+    void step(const std::string& what);
 
 private:
+    void write(const std::string& line);
+
     bool wanted_, shown_ = false;
     std::chrono::steady_clock::time_point start_, last_;
 };
 
-}  // namespace wems::plugin
+}  // namespace wems

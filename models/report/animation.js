@@ -1,0 +1,370 @@
+// The device in motion: two rigid parts whose motion is exaggerated about their rest position, elastomers between them,
+// stops at their (equally exaggerated) clearance, forces on the mobile part as arrows. Lengths are drawn in units of
+// the largest distance of a connection from the centre.
+const wemsPinSize = 0.07, wemsPlate = 0.026, wemsLongestArrow = 0.9, wemsDisplayed = 0.16;
+
+function wemsColors() {
+  const style = getComputedStyle(document.documentElement);
+  const read = name => new THREE.Color(style.getPropertyValue(name).trim());
+  return { ink: read("--ink"), paper: read("--paper"), mobile: read("--mobile"), fixed: read("--fixed"),
+           elastomer: read("--elastomer"), stop: read("--stop"), closed: read("--closed"), force: read("--force") };
+}
+
+// Everything that is drawn, and place(pose), which moves it.
+class WemsDevice {
+  constructor(scene) {
+    this.data = scene;
+    const at = scene.connections.map(c => new THREE.Vector3(...c.at));
+    this.center = at.reduce((sum, r) => sum.add(r), new THREE.Vector3()).divideScalar(at.length);
+    this.size = Math.max(...at.map(r => r.distanceTo(this.center)), 1e-3);
+    this.root = new THREE.Group();
+    this.fixed = new THREE.Group();
+    this.mobile = new THREE.Group();
+    this.root.add(this.fixed, this.mobile);
+    this.materials = {};
+    for (const name of ["mobile", "fixed", "elastomer", "stop", "closed", "force"])
+      this.materials[name] = new THREE.MeshLambertMaterial();
+    this.materials.shell = new THREE.MeshLambertMaterial({ transparent: true, opacity: 0.3, depthWrite: false });
+    this.ends = at.map(r => r.clone().sub(this.center).divideScalar(this.size));
+    this.addMobile();
+    this.addFixed();
+    this.addStops();
+    this.arrows = this.ends.map(() => {
+      const arrow = new THREE.Group();
+      arrow.shaft = this.mesh(new THREE.CylinderBufferGeometry(0.017, 0.017, 1, 12), "force", arrow);
+      arrow.head = this.mesh(new THREE.ConeBufferGeometry(0.05, 0.13, 16), "force", arrow);
+      this.root.add(arrow);
+      return arrow;
+    });
+    const bounds = new THREE.Box3().setFromPoints(this.posts).expandByObject(this.fixed).expandByObject(this.mobile);
+    this.bounds = bounds.getBoundingSphere(new THREE.Sphere());
+    this.recolor();
+  }
+
+  mesh(geometry, material, group) {
+    const mesh = new THREE.Mesh(geometry, this.materials[material]);
+    group.add(mesh);
+    return mesh;
+  }
+
+  // A rod between two points; its geometry has length 1 along y.
+  static stretch(mesh, from, to) {
+    const along = to.clone().sub(from);
+    mesh.position.copy(from).addScaledVector(along, 0.5);
+    mesh.scale.set(1, Math.max(along.length(), 1e-6), 1);
+    mesh.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), along.normalize());
+  }
+
+  rod(radius, material, group, from, to) {
+    const mesh = this.mesh(new THREE.CylinderBufferGeometry(radius, radius, 1, 16), material, group);
+    if (from) WemsDevice.stretch(mesh, from, to);
+    return mesh;
+  }
+
+  addMobile() {
+    const origin = new THREE.Vector3();
+    for (const end of this.ends) {
+      this.rod(0.04, "mobile", this.mobile, origin, end);
+      const pin = this.mesh(new THREE.BoxBufferGeometry(2 * wemsPinSize, 2 * wemsPinSize, 2 * wemsPinSize), "mobile", this.mobile);
+      pin.position.copy(end);
+    }
+    const cog = new THREE.Vector3(...this.data.cog).sub(this.center).divideScalar(this.size);
+    const half = Math.min(0.35, Math.max(0.12, 0.6 * cog.length()));
+    if (cog.length() > 0.05) this.rod(0.06, "mobile", this.mobile, origin, cog);
+    const wheel = this.mesh(new THREE.CylinderBufferGeometry(0.5, 0.5, 2 * half, 48), "shell", this.mobile);
+    wheel.rotation.x = Math.PI / 2;
+    wheel.position.copy(cog);
+    this.mesh(new THREE.SphereBufferGeometry(0.06, 24, 16), "mobile", this.mobile).position.copy(cog);
+  }
+
+  addFixed() {
+    const base = new THREE.Vector3(0, 0, Math.min(...this.ends.map(end => end.z)) - 0.55);
+    this.posts = this.ends.map(end => {
+      // Beside the pin, as seen from the centre: stops are above, below and outside more often than there.
+      const beside = new THREE.Vector3(-end.y, end.x, 0);
+      if (beside.length() < 1e-3) beside.set(1, 0, 0);
+      const top = end.clone().addScaledVector(beside.normalize(), 0.42);
+      const foot = new THREE.Vector3(top.x, top.y, base.z);
+      this.rod(0.035, "fixed", this.fixed, foot, new THREE.Vector3(top.x, top.y, end.z + 0.06));
+      this.rod(0.035, "fixed", this.fixed, base, foot);
+      return top;
+    });
+    this.elastomers = this.ends.map(() => this.rod(0.045, "elastomer", this.root));
+  }
+
+  addStops() {
+    this.stops = this.data.stops.map(stop => {
+      const width = 0.26;
+      const size = [width, width, width];
+      size[stop.axis] = wemsPlate;
+      const plate = this.mesh(new THREE.BoxBufferGeometry(...size), "stop", this.fixed);
+      plate.material = plate.material.clone();
+      return plate;
+    });
+  }
+
+  recolor() {
+    const colors = wemsColors();
+    for (const name in this.materials) this.materials[name].color.copy(colors[name] || colors.mobile);
+    this.colors = colors;
+  }
+
+  // Pose of one part in drawing units, exaggerated.
+  pose(part, factor) {
+    const theta = new THREE.Vector3(...part.theta).multiplyScalar(factor);
+    const angle = theta.length();
+    const rotation = new THREE.Quaternion();
+    if (angle > 0) rotation.setFromAxisAngle(theta.divideScalar(angle), angle);
+    // The frame's origin is not the centre of the drawing.
+    const center = this.center.clone().divideScalar(this.size);
+    const position = new THREE.Vector3(...part.p).multiplyScalar(factor / this.size)
+      .add(center.clone().applyQuaternion(rotation)).sub(center);
+    return new THREE.Matrix4().compose(position, rotation, new THREE.Vector3(1, 1, 1));
+  }
+
+  place(frame, factor, holdFixed, showForces, largestForce) {
+    const fixed = this.pose(frame.fixed, factor), mobile = this.pose(frame.mobile, factor);
+    const back = holdFixed ? new THREE.Matrix4().getInverse(fixed) : new THREE.Matrix4();
+    const apply = (group, matrix) => {
+      back.clone().multiply(matrix).decompose(group.position, group.quaternion, group.scale);
+      group.updateMatrix();
+    };
+    apply(this.fixed, fixed);
+    apply(this.mobile, mobile);
+    this.data.stops.forEach((stop, i) => {
+      const plate = this.stops[i], away = wemsPinSize + factor * stop.gap / this.size + wemsPlate / 2;
+      plate.position.copy(this.ends[stop.connection]);
+      plate.position.setComponent(stop.axis, plate.position.getComponent(stop.axis) + stop.side * away);
+      plate.material.color.copy(frame.closed[i] ? this.colors.closed : this.colors.stop);
+    });
+    this.ends.forEach((end, i) => {
+      const pin = end.clone().applyMatrix4(this.mobile.matrix);
+      WemsDevice.stretch(this.elastomers[i], this.posts[i].clone().applyMatrix4(this.fixed.matrix), pin);
+      const force = new THREE.Vector3(...frame.force[i]);
+      const length = wemsLongestArrow * force.length() / (largestForce || 1);
+      const arrow = this.arrows[i];
+      arrow.visible = showForces && length > 0.02;
+      if (!arrow.visible) return;
+      arrow.position.copy(pin);
+      arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0),
+                                          force.normalize().applyQuaternion(this.fixed.quaternion));
+      const head = Math.min(0.13, length / 2);
+      arrow.shaft.scale.y = length - head;
+      arrow.shaft.position.y = (length - head) / 2;
+      arrow.head.scale.setScalar(head / 0.13);
+      arrow.head.position.y = length - head / 2;
+    });
+  }
+}
+
+// One run: frames by number.
+class WemsRun {
+  constructor(run, connections) {
+    this.run = run;
+    this.connections = connections;
+    const peak = rows => rows.unit * rows.values.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
+    this.largestForces = run.stations.map(station => {
+      let largest = 0;
+      for (let frame = station.from; frame < station.from + station.count; ++frame)
+        for (const force of this.forces(frame)) largest = Math.max(largest, Math.hypot(...force));
+      return largest;
+    });
+    this.largestMotion = Math.max(peak(run.mobile.p), peak(run.fixed.p));
+  }
+
+  column(rows, frame) {
+    return rows.values.slice(rows.rows * frame, rows.rows * (frame + 1)).map(v => v * rows.unit);
+  }
+
+  forces(frame) {
+    const all = this.column(this.run.force, frame);
+    return Array.from({ length: this.connections }, (_, i) => all.slice(3 * i, 3 * i + 3));
+  }
+
+  frame(number) {
+    const part = data => ({ p: this.column(data.p, number), theta: this.column(data.theta, number) });
+    return { mobile: part(this.run.mobile), fixed: part(this.run.fixed), force: this.forces(number),
+             closed: [...this.run.closed[number]].map(digit => digit === "1") };
+  }
+}
+
+let wemsControls = 0;
+function wemsUniqueId() {
+  return "control" + ++wemsControls;
+}
+
+function wemsElement(name, attributes, parent, text) {
+  const element = document.createElement(name);
+  for (const key in attributes) element.setAttribute(key, attributes[key]);
+  if (text) element.textContent = text;
+  parent.append(element);
+  return element;
+}
+
+function wemsRange(label, attributes, parent) {
+  const box = wemsElement("div", {}, parent), id = wemsUniqueId();
+  wemsElement("label", { for: id }, box, label);
+  const value = wemsElement("output", { for: id }, box);
+  return { input: wemsElement("input", { type: "range", id, ...attributes }, box), value };
+}
+
+function wemsCheck(label, checked, parent) {
+  const box = wemsElement("label", { class: "check" }, parent);
+  const input = wemsElement("input", { type: "checkbox" }, box);
+  box.append(" " + label);
+  input.checked = checked;
+  return input;
+}
+
+function wemsSelect(label, choices, parent) {
+  const box = wemsElement("label", {}, parent, label + " ");
+  const select = wemsElement("select", {}, box);
+  choices.forEach((choice, i) => wemsElement("option", { value: i }, select, choice));
+  return select;
+}
+
+// Names and directions to look from.
+const wemsViews = [["oblique", [1.7, -2.3, 1.2]], ["along y", [0, -1, 0.05]], ["along x", [1, 0, 0.05]],
+                   ["from above", [0, -0.001, 1]]];
+
+// Builds the figure `id`: canvas, what it shows in words, controls.
+function wemsScene(id, scene) {
+  const figure = document.getElementById(id);
+  const runs = scene.runs.map(run => new WemsRun(run, scene.connections.length));
+  const stage = wemsElement("div", { class: "stage", role: "img", "aria-label": scene.title }, figure);
+  const words = wemsElement("p", { class: "words" }, figure);
+  let renderer;
+  try {
+    renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });  // kept for printing
+  } catch (error) {
+    stage.remove();
+    words.textContent = "This browser has no WebGL, which the moving picture needs.";
+    return;
+  }
+  stage.append(renderer.domElement);
+  const controls = wemsElement("div", { class: "controls", role: "group", "aria-label": "Controls: " + scene.title }, figure);
+  const play = wemsElement("button", { type: "button", "aria-pressed": "false" }, controls, "Play");
+  const chooseRun = wemsSelect("Run", scene.runs.map(run => run.name), controls);
+  if (runs.length < 2) chooseRun.parentElement.remove();
+  const station = wemsRange("Place in the run", { min: 0, max: 0, step: 1, value: 0, class: "wide" }, controls);
+  const moment = wemsRange("Moment", { min: 0, max: 0, step: 1, value: 0 }, controls);
+  const factor = wemsRange("Exaggeration", { min: 0, max: 100, step: 1, value: 50 }, controls);
+  const view = wemsSelect("View", wemsViews.map(v => v[0]), controls);
+  const along = wemsCheck("go along the run", true, controls);
+  const hold = wemsCheck("hold the fixed part still", true, controls);
+  const arrows = wemsCheck("forces on the mobile part", true, controls);
+
+  const device = new WemsDevice(scene);
+  const world = new THREE.Scene();
+  const lamp = new THREE.DirectionalLight(0xffffff, 0.65);
+  lamp.position.set(1, -2, 3);
+  world.add(device.root, new THREE.AmbientLight(0xffffff, 0.55), lamp);
+  const camera = new THREE.PerspectiveCamera(38, 1, 0.1, 50);
+  camera.up.set(0, 0, 1);
+  const orbit = new THREE.OrbitControls(camera, renderer.domElement);
+  orbit.enableZoom = orbit.enablePan = orbit.enableKeys = false;  // wheel and keys belong to the page
+  orbit.target.copy(device.bounds.center);
+
+  let run = runs[0], playing = false, due = false;
+  const exaggeration = () => Math.pow(10, factor.input.value / 100 * Math.log10(run.most));
+  const current = () => run.run.stations[station.input.value];
+
+  function draw() {
+    due = false;
+    const place = current(), frame = run.frame(place.from + Number(moment.input.value));
+    const largest = run.largestForces[station.input.value];
+    device.place(frame, exaggeration(), hold.checked, arrows.checked, largest);
+    renderer.render(world, camera);
+    const time = place.time + moment.input.value * place.period;
+    const hertz = Number.isFinite(place.hertz) ? place.hertz.toFixed(2) + " Hz, " : "";
+    station.value.textContent = hertz + place.time.toFixed(2) + " s";
+    moment.value.textContent = (1e3 * moment.input.value * place.period).toFixed(1) + " ms";
+    factor.value.textContent = exaggeration().toFixed(exaggeration() < 10 ? 1 : 0) + " x";
+    for (const range of [station, moment, factor]) range.input.setAttribute("aria-valuetext", range.value.textContent);
+    const closed = scene.stops.filter((_, i) => frame.closed[i]).map(stop => stop.name);
+    const sizes = frame.force.map(force => Math.hypot(...force)), most = sizes.indexOf(Math.max(...sizes));
+    words.textContent = hertz + time.toFixed(3) + " s: " +
+      (closed.length ? "stop closed: " + closed.join(", ") : "no stop closed") +
+      "; largest force " + sizes[most].toFixed(0) + " N at connection " + scene.connections[most].name +
+      " (longest arrow at this place: " + largest.toFixed(0) + " N)";
+    words.classList.toggle("alert", closed.length > 0);
+  }
+  function schedule() {
+    if (!due) requestAnimationFrame(draw);
+    due = true;
+  }
+  function chooseStation() {
+    moment.input.max = current().count - 1;
+    schedule();
+  }
+  function selectRun() {
+    run = runs[chooseRun.value];
+    // The whole range shows the largest motion, or the widest gap, at some share of the drawing.
+    const gaps = scene.stops.map(stop => Math.abs(stop.gap));
+    const shown = Math.max(run.largestMotion, ...gaps, 1e-9);
+    run.most = Math.max(2, Math.pow(wemsDisplayed * device.size / shown, 2));
+    station.input.max = run.run.stations.length - 1;
+    station.input.value = 0;
+    chooseStation();
+  }
+  function resize() {
+    const width = stage.clientWidth, height = stage.clientHeight;
+    renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    renderer.setSize(width, height, false);
+    camera.aspect = width / height;
+    camera.updateProjectionMatrix();
+    look();
+  }
+  function look() {
+    const half = THREE.Math.degToRad(camera.fov / 2);  // of the shorter side
+    const distance = device.bounds.radius / Math.sin(Math.atan(Math.tan(half) * Math.min(1, camera.aspect)));
+    camera.position.set(...wemsViews[view.value][1]).normalize().multiplyScalar(0.78 * distance).add(orbit.target);
+    orbit.update();
+    schedule();
+  }
+  let last = 0, fraction = 0;
+  function step(now) {
+    if (!playing) return;
+    const frames = current().count;
+    fraction += (now - last) / 1000 / 2 * frames;  // two seconds for what a station holds
+    last = now;
+    const on = Math.floor(fraction);
+    fraction -= on;
+    let next = Number(moment.input.value) + on;
+    if (next >= frames) {
+      next %= frames;
+      if (along.checked) {
+        station.input.value = (Number(station.input.value) + 1) % run.run.stations.length;
+        chooseStation();
+      }
+    }
+    if (on > 0) {
+      moment.input.value = next;
+      draw();
+    }
+    requestAnimationFrame(step);
+  }
+  play.addEventListener("click", () => {
+    playing = !playing;
+    play.textContent = playing ? "Pause" : "Play";
+    play.setAttribute("aria-pressed", String(playing));
+    last = performance.now();
+    if (playing) requestAnimationFrame(step);
+  });
+  chooseRun.addEventListener("input", selectRun);
+  station.input.addEventListener("input", chooseStation);
+  for (const input of [moment.input, factor.input, hold, arrows]) input.addEventListener("input", schedule);
+  view.addEventListener("input", look);
+  orbit.addEventListener("change", schedule);
+  function paint() {
+    device.recolor();
+    renderer.setClearColor(device.colors.paper);
+    schedule();
+  }
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
+  addEventListener("resize", resize);
+  selectRun();
+  resize();
+  paint();
+  draw();
+}

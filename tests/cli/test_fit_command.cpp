@@ -1,0 +1,163 @@
+// identify fit as a user calls it: a test of several runs, a laboratory's own sensors, a recording longer than memory.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include "models/parameter_access.hpp"
+#include "models/recording/recording_writer.hpp"
+#include "run_program.hpp"
+#include "tests/fit/laboratory_layout.hpp"
+#include "tests/fit/synthetic_run.hpp"
+
+namespace wems {
+namespace {
+
+using Catch::Contains;
+using test::runProgram;
+
+constexpr test::SensorNoise sensors{1e-6, 0.01};
+
+MountModel makeDevice() {
+    return readMountModel(WEMS_SOURCE_DIR "/models/shipped/smallsat_wems.toml");
+}
+
+test::SyntheticRun simulate(double force, double octaves_per_minute) {
+    test::SweepSettings settings;
+    settings.force = {0, 0, force};
+    settings.octaves_per_minute = octaves_per_minute;
+    return test::simulateSweep(makeDevice(), settings);
+}
+
+void writeModel(const MountModel& model, const test::TemporaryDirectory& folder) {
+    std::filesystem::copy_file(WEMS_SOURCE_DIR "/models/shipped/smallsat_bracket.csv",
+                               folder.path() + "/smallsat_bracket.csv");
+    writeMountModel(model, folder.path() + "/believed.toml");
+}
+
+std::string formatLayout(const std::vector<SensorPlace>& places) {
+    std::ostringstream text;
+    text.precision(17);
+    const auto write = [&text](const char* key, const Eigen::Vector3d& v) {
+        text << key << " = [" << v.x() << ", " << v.y() << ", " << v.z() << "]\n";
+    };
+    text << std::showpoint;
+    for (const SensorPlace& place : places) {
+        text << (place.accelerometer ? "[[accelerometer]]\n" : "[[marker]]\n") << "name = \"" << place.name
+             << "\"\npart = \"" << (place.part == Part::mobile ? "mobile" : "fixed") << "\"\n";
+        write("position", place.position);
+        write("rotation", place.rotation);
+    }
+    return text.str();
+}
+
+nlohmann::json readJson(const test::TemporaryDirectory& folder, const std::string& name) {
+    std::ifstream stream(folder.path() + "/" + name);
+    return nlohmann::json::parse(stream);
+}
+
+struct Estimate {
+    double value = 0, error = 0;
+};
+/// Stiffnesses along z, by name.
+std::map<std::string, Estimate> listAxial(const nlohmann::json& fit) {
+    std::map<std::string, Estimate> found;
+    for (const auto& parameter : fit.at("parameters")) {
+        const auto name = parameter.at("name").get<std::string>();
+        if (name.find("z.stiffness") != std::string::npos)
+            found[name] = {parameter.at("value"), parameter.at("standard_error")};
+    }
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("fit --test and fit --geometry: a laboratory's sensors tell the same as the ideal layout") {
+    const std::uint64_t seed = std::random_device{}();
+    CAPTURE(seed);
+    const test::TemporaryDirectory folder;
+    const MountModel truth = makeDevice();
+    writeModel(test::perturb(truth, 0.25, seed), folder);
+    const auto places = test::makeLayout(seed);
+    folder.write("layout.toml", formatLayout(places));
+    const test::SyntheticRun run = simulate(200, 16), other = simulate(120, 16);
+    writeRecording(test::record(run, sensors, seed), folder.path() + "/ideal.csv");
+    writeRecording(test::recordLayout(run, places, sensors, seed + 1), folder.path() + "/laboratory.csv");
+    writeRecording(test::recordLayout(other, places, sensors, seed + 2), folder.path() + "/other.csv");
+    folder.write("campaign.toml",
+                 "name = \"axial\"\nmodel = \"believed.toml\"\ngeometry = \"layout.toml\"\n"
+                 "[[run]]\nfile = \"laboratory.csv\"\nlevel = \"200 N\"\ndirection = \"z\"\nrole = \"identify\"\n"
+                 "[[run]]\nfile = \"other.csv\"\nlevel = \"120 N\"\ndirection = \"z\"\nrole = \"validate\"\n");
+    const auto fit = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), "fit");
+        const auto result = runProgram(IDENTIFY_PROGRAM, arguments, folder.path());
+        CAPTURE(result.errors);
+        CHECK(result.exit_status == 0);
+        return result.output;
+    };
+    fit({"ideal.csv", "--model", "believed.toml", "--json", "ideal.json"});
+    fit({"laboratory.csv", "--model", "believed.toml", "--geometry", "layout.toml", "--json", "laboratory.json"});
+    const std::string shown = fit({"--test", "campaign.toml", "--json", "campaign.json", "-o", "fitted.toml"});
+    CHECK_THAT(shown, Contains("validation: other.csv (120 N, z): error"));
+
+    const auto ideal = readJson(folder, "ideal.json"), laboratory = readJson(folder, "laboratory.json"),
+               campaign = readJson(folder, "campaign.json");
+    CHECK(campaign.at("parameters") == laboratory.at("parameters"));
+    REQUIRE(campaign.at("validation").size() == 1);
+    CHECK(campaign["validation"][0].at("run") == "other.csv");
+    CHECK(campaign["validation"][0].at("error").get<double>() < 0.05);
+    const auto expected = listAxial(ideal), found = listAxial(campaign);
+    CHECK(found.size() == 4);
+    for (const auto& [name, estimate] : found) {
+        REQUIRE(expected.count(name) == 1);
+        const Estimate same = expected.at(name);
+        CAPTURE(name, estimate.value, same.value, estimate.error, same.error);
+        // Four standard errors of the difference: exceeded by chance in 1 of 4000 runs of the four together.
+        CHECK(std::abs(estimate.value - same.value) < 4 * std::hypot(estimate.error, same.error));
+        CHECK(estimate.value == Approx(getParameter(truth, name)).epsilon(0.01));
+    }
+    const MountModel fitted = readMountModel(folder.path() + "/fitted.toml");
+    for (const auto& [name, estimate] : found) CHECK(getParameter(fitted, name) == Approx(estimate.value));
+}
+
+TEST_CASE("fit --memory: a recording longer than memory is fitted on blocks of it, and the output says on which") {
+    const std::uint64_t seed = std::random_device{}();
+    CAPTURE(seed);
+    const test::TemporaryDirectory folder;
+    const MountModel truth = makeDevice();
+    writeModel(test::perturb(truth, 0.1, seed), folder);
+    writeRecording(test::record(simulate(200, 3), {1e-6, -1}, seed), folder.path() + "/long.csv");
+    const auto fit = [&](const std::string& memory) {
+        return runProgram(IDENTIFY_PROGRAM,
+                          {"fit", "long.csv", "--model", "believed.toml", "--memory", memory, "--json", "fit.json"},
+                          folder.path());
+    };
+    const auto blocks = fit("560");
+    CAPTURE(blocks.output, blocks.errors);
+    CHECK(blocks.exit_status == 0);
+    CHECK_THAT(blocks.output, Contains("used 2 of 4 blocks of 32768 rows"));
+    const auto result = readJson(folder, "fit.json");
+    CHECK(result.at("blocks").at("used") == 2);
+    CHECK(result["blocks"].at("of") == 4);
+    CHECK(result["blocks"].at("standard_errors_over_all").at("median").get<double>() >= 1);
+    const auto found = listAxial(result);
+    CHECK(!found.empty());
+    for (const auto& [name, estimate] : found) {
+        CAPTURE(name, estimate.value, estimate.error);
+        CHECK(estimate.value == Approx(getParameter(truth, name)).epsilon(0.02));
+    }
+
+    const auto whole = fit("2000");
+    CHECK(whole.exit_status == 0);
+    CHECK_FALSE(readJson(folder, "fit.json").contains("blocks"));
+    const auto refused = fit("100");
+    CHECK(refused.exit_status == 2);
+    CHECK_THAT(refused.errors, Contains("--memory: is too small for a block of 32768 rows (accepted: at least"));
+}
+
+}  // namespace wems

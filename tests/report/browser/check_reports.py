@@ -1,0 +1,302 @@
+#!/usr/bin/env python3
+"""Opens the reports of all commands in headless Chromium: every picture drawn, controls that work, no console error, no
+network, accessible names, contrast, light and dark, 1280 and 390 pixels. Screenshots stay in the output folder.
+
+    check_reports.py --simulate PROGRAM --identify PROGRAM --device MODEL.toml --out FOLDER
+
+Exit status 77: there is no browser or no Selenium (Debian: chromium-driver, python3-selenium), nothing was checked.
+"""
+import argparse
+import base64
+import csv
+import os
+import re
+import shutil
+import sys
+import time
+from pathlib import Path
+
+from make_reports import make_reports
+
+SKIPPED = 77
+LARGEST_PAGE = 10e6  # bytes
+WIDTHS = (1280, 390)
+CLEARANCE = 1.57e-3  # m, of the axial stops of the shipped device
+
+# Shares of pixels that differ from the corner's, of each canvas, and the number of colours there.
+CANVASES = """
+return [...document.querySelectorAll(arguments[0])].map(canvas => {
+  const copy = document.createElement("canvas");
+  copy.width = canvas.width; copy.height = canvas.height;
+  const context = copy.getContext("2d");
+  context.drawImage(canvas, 0, 0);
+  const pixels = new Uint32Array(context.getImageData(0, 0, copy.width, copy.height).data.buffer);
+  let drawn = 0;
+  const colors = new Set();
+  for (const pixel of pixels) { if (pixel !== pixels[0]) ++drawn; colors.add(pixel); }
+  return [drawn / pixels.length, colors.size];
+});"""
+
+# Texts whose contrast with the page is below 4.5 (WCAG 2.1, 1.4.3).
+FAINT = """
+const parse = text => text.match(/[\\d.]+/g).map(Number);
+const luminance = color => color.slice(0, 3).map(c => c / 255)
+  .map(c => c <= 0.03928 ? c / 12.92 : Math.pow((c + 0.055) / 1.055, 2.4))
+  .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+const faint = [];
+for (const element of document.querySelectorAll("h1,h2,p,td,th,pre,figcaption,label,output,.dygraph-axis-label,.dygraph-label")) {
+  if (!element.textContent.trim()) continue;
+  let behind = element;
+  while (behind && parse(getComputedStyle(behind).backgroundColor)[3] === 0) behind = behind.parentElement;
+  const back = parse(getComputedStyle(behind || document.body).backgroundColor);
+  const style = getComputedStyle(element), opacity = Number(style.opacity);
+  const front = parse(style.color).slice(0, 3).map((c, i) => opacity * c + (1 - opacity) * back[i]);
+  const [high, low] = [luminance(front), luminance(back)].sort((a, b) => b - a);
+  const contrast = (high + 0.05) / (low + 0.05);
+  if (contrast < 4.5) faint.push(element.tagName + " '" + element.textContent.trim().slice(0, 40) + "' " + contrast.toFixed(2));
+}
+return faint;"""
+
+SET = """arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event("input"));"""
+
+
+class Checks:
+    def __init__(self):
+        self.failures, self.count = [], 0
+
+    def check(self, passed, what):
+        self.count += 1
+        if not passed:
+            self.failures.append(what)
+            print("FAILED:", what)
+
+
+def start_browser():
+    """A headless Chromium, or None where there is none."""
+    try:
+        from selenium import webdriver
+        from selenium.webdriver.chrome.service import Service
+    except ImportError:
+        print("skipped: no Selenium for this Python (Debian: python3-selenium)")
+        return None
+    driver, browser = shutil.which("chromedriver"), shutil.which("chromium")
+    if not driver or not browser:
+        print("skipped: no chromium and chromedriver (Debian: chromium-driver)")
+        return None
+    options = webdriver.ChromeOptions()
+    options.binary_location = browser
+    arguments = ["--headless=new", "--disable-dev-shm-usage", "--enable-unsafe-swiftshader", "--hide-scrollbars"]
+    if os.geteuid() == 0:
+        arguments.append("--no-sandbox")  # which Chromium insists on
+    for argument in arguments:
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(service=Service(driver), options=options)
+
+
+def show(browser, width, dark):
+    scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                            {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False})
+
+
+def save_screenshot(browser, file):
+    picture = browser.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True})
+    file.write_bytes(base64.b64decode(picture["data"]))
+
+
+def find(browser, selector):
+    return browser.find_elements("css selector", selector)
+
+
+def two_frames(browser):
+    browser.execute_async_script("const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(done));")
+
+
+def wait_for(condition, seconds=20):
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.05)
+    return True
+
+
+def check_pictures(browser, name, checks):
+    plots, scenes = find(browser, ".plot"), find(browser, ".scene")
+    checks.check(plots, f"{name}: there are plots")
+    # dygraphs draws on the second of two canvases; the first holds grid and highlights.
+    drawn = browser.execute_script(CANVASES, ".plot canvas")
+    checks.check(len(drawn) == 2 * len(plots), f"{name}: two canvases for each plot")
+    for i in range(len(plots)):
+        best = max(drawn[2 * i:2 * i + 2])
+        checks.check(best[0] > 0.0005, f"{name}: plot {i + 1} is drawn")
+    for share, colors in browser.execute_script(CANVASES, ".scene canvas"):
+        checks.check(share > 0.03 and colors > 100, f"{name}: the device is drawn")
+    checks.check(len(find(browser, ".scene canvas")) == len(scenes), f"{name}: a canvas for each moving picture")
+    for label in browser.execute_script(
+            "return [...document.querySelectorAll('.plot')].map(p => p.querySelectorAll('.dygraph-axis-label').length)"):
+        checks.check(label >= 4, f"{name}: a plot has numbers at its axes")
+
+
+def check_page(browser, name, checks, out):
+    for dark in (False, True):
+        for width in WIDTHS:
+            view = f"{name} {'dark' if dark else 'light'} {width}"
+            show(browser, width, dark)
+            two_frames(browser)
+            checks.check(browser.execute_script("return document.documentElement.scrollWidth") <= width,
+                         f"{view}: the page is not wider than the window")
+            faint = browser.execute_script(FAINT)
+            checks.check(not faint, f"{view}: contrast of {faint[:3]}")
+            check_pictures(browser, view, checks)
+            save_screenshot(browser, out / f"{view.replace(' ', '_')}.png")
+    background = browser.execute_script("return getComputedStyle(document.body).backgroundColor")
+    checks.check(background != "rgb(255, 255, 255)", f"{name}: dark is dark")
+
+
+def check_names(browser, name, checks):
+    checks.check(len(find(browser, "h1")) == 1 and browser.title, f"{name}: one title")
+    checks.check(browser.execute_script("return document.documentElement.lang") == "en", f"{name}: language")
+    controls = [element for element in find(browser, "button, input, select") if element.is_displayed()]
+    for element in find(browser, "[role=img], [role=group]") + controls:
+        checks.check(element.accessible_name.strip(), f"{name}: accessible name of {element.get_attribute('outerHTML')[:80]}")
+    for group in find(browser, "[role=group]"):
+        names = [e.accessible_name for e in group.find_elements("css selector", "button, input, select")]
+        checks.check(len(names) == len(set(names)), f"{name}: names of the controls of a group differ")
+
+
+def picture_of(browser):
+    return browser.execute_script("return document.querySelector('.scene canvas').toDataURL()")
+
+
+def check_contact(words, name, out, checks):
+    """The axial stop that the picture says is closed is closed in the recording at that time."""
+    said = re.search(r"([\d.]+) s: stop closed:.*?(\d)\.z\.([+-])", words)
+    checks.check(said, f"{name}: an axial stop closes, in: {words}")
+    if not said:
+        return
+    with open(out / "axial.csv", newline="") as file:
+        rows = csv.reader(line for line in file if not line.startswith("#"))
+        header = [column.split(" ")[0] for column in next(rows)]
+        columns = [header.index(column) for column in ("time", f"mobile.{said[2]}.z", f"fixed.{said[2]}.z")]
+        time_z = [[float(row[column]) for column in columns] for row in rows]
+    _, mobile, fixed = min(time_z, key=lambda row: abs(row[0] - float(said[1])))
+    travel = (mobile - fixed) * (1 if said[3] == "+" else -1)
+    checks.check(travel > CLEARANCE - 2e-5, f"{name}: {said[0]}, but the travel is {1e3 * travel:.3f} mm")
+
+
+def check_scene(browser, name, out, checks):
+    """Each control of the moving picture changes it."""
+    from selenium.webdriver.common.keys import Keys
+    shown = [e for e in find(browser, ".controls button, .controls input, .controls select") if e.is_displayed()]
+    control = {element.accessible_name.split(" ")[0]: element for element in shown}
+    words = lambda: find(browser, ".words")[0].text
+
+    def changes(what, act):
+        before = picture_of(browser)
+        act()
+        two_frames(browser)
+        checks.check(picture_of(browser) != before, f"{name}: {what} changes the picture")
+
+    stations = int(control["Place"].get_attribute("max")) + 1
+    checks.check(stations >= 30, f"{name}: {stations} places along the run")
+    changes("the place in the run", lambda: browser.execute_script(SET, control["Place"], stations * 7 // 10))
+    changes("the moment", lambda: browser.execute_script(SET, control["Moment"], 9))
+    changes("exaggeration", lambda: browser.execute_script(SET, control["Exaggeration"], 80))
+    changes("holding the fixed part", control["hold"].click)
+    changes("hiding the forces", control["forces"].click)
+    changes("the view", lambda: browser.execute_script(SET, control["View"], 1))
+    before = words()
+    control["Moment"].send_keys(Keys.ARROW_RIGHT)
+    two_frames(browser)
+    checks.check(words() != before, f"{name}: the keyboard moves the moment")
+    # The run reaches stops from the resonance on; the picture says so in words.
+    closed = any(seek(browser, control, station, moment) for station in range(stations // 2, stations, 3)
+                 for moment in range(0, int(control["Moment"].get_attribute("max")), 6))
+    checks.check(closed, f"{name}: a stop closes")
+    check_contact(words(), name, out, checks)
+    control["Play"].click()
+    checks.check(control["Play"].text == "Pause", f"{name}: Play turns into Pause")
+    start = control["Moment"].get_attribute("value")
+    checks.check(wait_for(lambda: control["Moment"].get_attribute("value") != start), f"{name}: playing moves on")
+    control["Play"].click()
+    two_frames(browser)
+    still = picture_of(browser)
+    two_frames(browser)
+    checks.check(picture_of(browser) == still, f"{name}: Pause stops")
+
+
+def seek(browser, control, station, moment):
+    browser.execute_script(SET, control["Place"], station)
+    browser.execute_script(SET, control["Moment"], moment)
+    two_frames(browser)
+    return "stop closed:" in find(browser, ".words")[0].text
+
+
+def check_zoom(browser, name, checks):
+    """Dragging over a plot zooms, a double click goes back."""
+    from selenium.webdriver import ActionChains
+    plot = find(browser, ".plot")[0]
+    browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", plot)
+    labels = lambda: browser.execute_script(
+        "return [...arguments[0].querySelectorAll('.dygraph-axis-label-x')].map(e => e.textContent).join()", plot)
+    whole = labels()
+    ActionChains(browser).move_to_element(plot).click_and_hold().move_by_offset(120, 0).release().perform()
+    checks.check(wait_for(lambda: labels() != whole, 5), f"{name}: dragging zooms")
+    ActionChains(browser).move_to_element(plot).double_click().perform()
+    checks.check(wait_for(lambda: labels() == whole, 5), f"{name}: a double click shows all again")
+
+
+def check_legend(browser, name, checks):
+    """A name below a plot hides its series."""
+    buttons = find(browser, ".legend button")
+    if not buttons:
+        return
+    drawn = lambda: browser.execute_script(
+        "return [...document.querySelector('.legend').previousElementSibling.querySelectorAll('canvas')].map(c => c.toDataURL()).join()")
+    before = drawn()
+    buttons[0].click()
+    checks.check(drawn() != before and buttons[0].get_attribute("aria-pressed") == "false", f"{name}: a series is hidden")
+    buttons[0].click()
+    checks.check(buttons[0].get_attribute("aria-pressed") == "true", f"{name}: a series is shown again")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    for option in ("simulate", "identify", "device", "out"):
+        parser.add_argument("--" + option, required=True, type=Path)
+    arguments = parser.parse_args()
+    browser = start_browser()
+    if browser is None:
+        return SKIPPED
+    checks = Checks()
+    try:
+        pages = make_reports(arguments.simulate, arguments.identify, arguments.device, arguments.out)
+        for page in pages:
+            name = page.stem
+            checks.check(page.stat().st_size < LARGEST_PAGE, f"{name}: file below 10 MB")
+            browser.get(page.as_uri())
+            show(browser, WIDTHS[0], False)
+            two_frames(browser)
+            loaded = browser.execute_script("return performance.getEntriesByType('resource').map(r => r.name)")
+            checks.check(not loaded, f"{name}: loads nothing but itself: {loaded}")
+            check_names(browser, name, checks)
+            check_zoom(browser, name, checks)
+            check_legend(browser, name, checks)
+            if find(browser, ".scene"):
+                check_scene(browser, name, arguments.out, checks)
+            check_page(browser, name, checks, arguments.out)
+            errors = [entry["message"] for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
+            checks.check(not errors, f"{name}: console errors {errors}")
+        moving = [page.stem for page in pages if 'class="scene"' in page.read_text()]
+        checks.check(moving == ["rigidity", "fit", "diagnose"], f"the device moves in {moving}")
+    finally:
+        browser.quit()
+    print(f"{checks.count} checks, {len(checks.failures)} failed; screenshots in {arguments.out}")
+    return 1 if checks.failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
