@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "identify/diagnose/calibration.hpp"
@@ -259,7 +260,10 @@ double OpenLoopProblem::calcMisfit(const WhiteVector& residual) const {
 }
 
 Eigen::VectorXf OpenLoopProblem::removeCalibration(const WhiteVector& residual) const {
-    const Eigen::VectorXd gains = residual.calibration.array() / (calibration_power_.array() + calcVariance(residual));
+    Eigen::VectorXd gains = residual.calibration.array() / (calibration_power_.array() + calcVariance(residual));
+    // What a wrong model leaves would take gains beyond all scatter.
+    const double size = gains.norm() / std::sqrt(static_cast<double>(gains.size()));
+    if (size > 1) gains /= size;
     return residual.values - calibration_ * gains.cast<float>();
 }
 
