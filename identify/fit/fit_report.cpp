@@ -20,7 +20,7 @@ std::string format(double value) {
 /// Interval around a value whose terms have the given sum of magnitudes. The sampled equations themselves are no
 /// better than this part of it (test_function.hpp), however little noise there is.
 std::array<double, 2> around(double value, double half_width, double magnitude) {
-    constexpr double discretisation = 2e-5;
+    constexpr double discretisation = 2e-4;
     const double width = std::max(half_width, discretisation * magnitude);
     return {value - width, value + width};
 }

@@ -10,7 +10,10 @@
 namespace wems::identify {
 namespace {
 
-constexpr double kVisible = 5e-4;    // standard error of a gain, beyond which noise hides what calibration scatters by
+constexpr double kVisible = 5e-4;  // standard error of a gain, beyond which noise hides what calibration scatters by
+// Of the largest information: gains of channels that move less than a hundredth of the others are not told from what
+// the rigid fit leaves of the large motions.
+constexpr double kLeastInformation = 1e-4;
 constexpr double kSignificant = 30;  // of the mean square of visible gains over that of noise
 
 }  // namespace
@@ -30,11 +33,12 @@ Calibration estimateCalibration(const ChannelSet& set, const Eigen::MatrixXd& re
     const Eigen::MatrixXd normal = left.cwiseProduct(signals * signals.transpose());
     const Eigen::VectorXd right = signals.cwiseProduct(residuals).rowwise().sum();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(normal);
+    const double least = kLeastInformation * solver.eigenvalues().maxCoeff();
     double squares = 0, from_noise = 0;
     int visible = 0;
     for (Eigen::Index k = 0; k < right.size(); ++k) {
         const double information = solver.eigenvalues()(k);
-        if (!(information > 0) || noise > kVisible * std::sqrt(information)) continue;
+        if (!(information > least) || noise > kVisible * std::sqrt(information)) continue;
         squares += std::pow(solver.eigenvectors().col(k).dot(right) / information, 2);
         from_noise += noise * noise / information;
         ++visible;

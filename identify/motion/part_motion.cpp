@@ -123,7 +123,8 @@ private:
 
     Calibration calibrate(const RigidFit& fit, const Eigen::MatrixXd& residuals, double noise, const char* kind) {
         Calibration calibration = estimateCalibration(fit.channelSet(), residuals, noise);
-        if (calibration.gain_scatter > 0) {
+        constexpr double worth_saying = 1e-4;
+        if (calibration.gain_scatter > worth_saying) {
             char text[120];
             std::snprintf(text, sizeof text, "the gains of its %s channels scatter by %.2g %%", kind,
                           100 * calibration.gain_scatter);

@@ -180,6 +180,29 @@ TEST_CASE("A name that cannot be freed and a run that is too short are refused")
     CHECK_THROWS_WITH(fitMount({motion}, truth, wide), Catch::Contains("too short for a fit"));
 }
 
+// Without noise the rigid fit leaves what the text's digits and its own arithmetic leave: no scatter of the gains,
+// however small the motion along some axes, and nothing less known than with noise.
+TEST_CASE("A recording without noise is known best of all") {
+    const MountModel truth = makeDevice();
+    const double force = GENERATE(200.0, 500.0);
+    const test::SyntheticRun run = test::simulateSweep(truth, makeSweep({0, 0, force}));
+    const std::uint64_t seed = std::random_device{}();
+    CAPTURE(seed, force);
+    const MountModel believed = test::perturb(truth, 0.25, seed);
+    const RunMotion clean = measure(run, believed, seed, {0, 0}), noisy = measure(run, believed, seed);
+    for (const PartMotion* part : {&clean.mobile, &clean.fixed}) {
+        CHECK(part->displacement_calibration.gain_scatter < 1e-4);
+        CHECK(part->acceleration_calibration.gain_scatter < 1e-4);
+    }
+    const FitResult fit = fitMount({clean}, believed), with_noise = fitMount({noisy}, believed);
+    for (const FittedParameter& p : with_noise.parameters) {
+        CAPTURE(p.name);
+        const FittedParameter* same = find(fit, p.name);
+        REQUIRE(same != nullptr);
+        CHECK(std::abs(same->value / getParameter(truth, p.name) - 1) < 0.2 * allowedError(p.name));
+    }
+}
+
 TEST_CASE("Coverage of the 95 % intervals over 100 repetitions", "[.coverage]") {
     const MountModel truth = makeDevice();
     const double force = GENERATE(200.0, 500.0);
