@@ -13,7 +13,7 @@ namespace {
 constexpr double kConvincing = 4.0;    // excess without a cause over that with it, where much is left unexplained
 constexpr double kSystematic = 0.002;  // of a value: calibration, smoothing, sampling; half of a 95 % interval
 constexpr double kCertain = 0.999;
-constexpr double kLargestGain = 120.0;  // dB
+constexpr double kLargestDecibels = 120.0;  // dB
 
 /// `body.center_of_gravity.z` → `z`, `body.mass` → `mass`, `load.gain` → `gain`; the others as they are.
 std::string reportName(const std::string& name) {
@@ -27,7 +27,7 @@ CauseParameter makeParameter(const std::string& name, double value, double half_
 
 double toDecibel(double ratio) {
     if (!(ratio > 0)) return 0;
-    return std::clamp(20 * std::log10(ratio), -kLargestGain, kLargestGain);
+    return std::clamp(20 * std::log10(ratio), -kLargestDecibels, kLargestGain);
 }
 
 std::vector<CauseParameter> makeParameters(const Candidate& candidate, const MountModel& model,

@@ -10,7 +10,6 @@
 namespace wems {
 namespace {
 
-constexpr const char* kTime = "time";
 constexpr std::size_t kLongestList = 300;  // characters in a message
 
 bool matches(const MappedColumn& mapped, const OfferedColumn& column) {

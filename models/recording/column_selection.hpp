@@ -10,6 +10,8 @@
 
 namespace wems {
 
+inline constexpr const char* kTime = "time";  ///< name of the column of stamps
+
 /// A column as a file has it.
 struct OfferedColumn {
     std::string text;                  ///< header, with or without a unit: `Ch 3 [g]`

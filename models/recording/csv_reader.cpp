@@ -10,8 +10,6 @@
 namespace wems {
 namespace {
 
-constexpr const char* kTime = "time";
-
 std::vector<OfferedColumn> listColumns(const CsvLayout& layout) {
     std::vector<OfferedColumn> offered;
     offered.reserve(layout.headers.size());
