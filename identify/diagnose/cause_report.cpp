@@ -27,7 +27,7 @@ CauseParameter makeParameter(const std::string& name, double value, double half_
 
 double toDecibel(double ratio) {
     if (!(ratio > 0)) return 0;
-    return std::clamp(20 * std::log10(ratio), -kLargestDecibels, kLargestGain);
+    return std::clamp(20 * std::log10(ratio), -kLargestDecibels, kLargestDecibels);
 }
 
 std::vector<CauseParameter> makeParameters(const Candidate& candidate, const MountModel& model,
