@@ -25,9 +25,11 @@ std::vector<RunEquations> makeAllEquations(const std::vector<RunMotion>& runs, c
     return equations;
 }
 
-/// Takes out stops whose stiffness is not significantly different from zero: they were not reached.
+/// Takes out stops whose stiffness is not significantly different from zero, or is next to nothing beside the
+/// elastomer's (a bend of the elastomer's law, or of what an integrated motion leaves): they were not reached.
 ParameterUncertainty removeSpuriousStops(Solver& solver) {
-    constexpr double least = 4;  // standard errors
+    constexpr double least = 4;           // standard errors
+    constexpr double least_share = 0.02;  // of the elastomer's stiffness
     while (true) {
         const LinearSystem system = solver.linearise();
         ParameterUncertainty uncertainty(solver, system);
@@ -39,7 +41,11 @@ ParameterUncertainty removeSpuriousStops(Solver& solver) {
             const auto k = static_cast<Eigen::Index>(j);
             const double error =
                 system.scale(k) * uncertainty.calcStandardError(Eigen::VectorXd::Unit(system.scale.size(), k));
-            const double ratio = std::abs(getParameter(solver.model(), parameter.name)) / error;
+            const double stiffness = std::abs(getParameter(solver.model(), parameter.name));
+            const Connection& connection = solver.model().connections[static_cast<std::size_t>(parameter.connection)];
+            const double elastomer = connection.axis.at(static_cast<std::size_t>(parameter.axis)).stiffness;
+            double ratio = stiffness / error;
+            if (stiffness < least_share * elastomer) ratio = std::min(ratio, stiffness / (least_share * elastomer));
             if (ratio < weakest) {
                 weakest = ratio;
                 weakest_parameter = system.parameters[j];
