@@ -19,6 +19,18 @@ const char* const component_test =
     "time [s],relative.1.z [mm],force.1.z [N]\n"
     "0,0,0\n0.001,0.1,10\n0.002,0.2,20\n0.003,0.1,10\n0.004,0,0\n0.005,-0.1,-10\n0.006,-0.2,-20\n0.007,-0.1,-10\n";
 
+/// False, saying so, where the system gives no pseudo-terminal: then there is nothing to look at.
+bool hasTerminals() {
+    int terminal = -1, other = -1;
+    if (openpty(&terminal, &other, nullptr, nullptr, nullptr) != 0) {
+        WARN("no pseudo-terminal here: not tested");
+        return false;
+    }
+    close(terminal);
+    close(other);
+    return true;
+}
+
 /// All that `identify` with these arguments writes to a terminal of its own.
 std::string runOnTerminal(std::vector<std::string> arguments, const std::string& folder, const char* no_color) {
     int terminal = -1;
@@ -63,6 +75,7 @@ std::string complete(const std::string& line, const TemporaryDirectory& folder) 
 }  // namespace
 
 TEST_CASE("Tables are coloured on a terminal, unless NO_COLOR is set, and plain in a pipe") {
+    if (!hasTerminals()) return;
     const TemporaryDirectory folder;
     folder.write("run.csv", component_test);
     const std::vector<std::string> command{"inspect", "run.csv"};
@@ -74,6 +87,7 @@ TEST_CASE("Tables are coloured on a terminal, unless NO_COLOR is set, and plain 
 }
 
 TEST_CASE("Progress is shown on a terminal and taken away again") {
+    if (!hasTerminals()) return;
     const TemporaryDirectory folder;
     folder.write("run.csv", component_test);
     const std::string shown = runOnTerminal({"inspect", "run.csv"}, folder.path(), "");
