@@ -23,8 +23,8 @@ struct TriaxMoments {
     Matrix6 signal = Matrix6::Zero();
     Eigen::Matrix<double, 3, 6> misfit = Eigen::Matrix<double, 3, 6>::Zero();
     Eigen::Vector3d square = Eigen::Vector3d::Zero();
-    double independent = 0;  // values of one channel
-    double noise = 0;        // of the predictions, in the units of signal
+    double independent = 0;                           // values of one channel
+    Eigen::Vector3d noise = Eigen::Vector3d::Zero();  // of the predictions, in the units of signal
 };
 
 /// Variance of the second derivative of unit white noise.
@@ -34,8 +34,23 @@ double calcNoiseGain(const SmoothingKernel& kernel) {
     return kernel.apply(impulse, 2, 1).squaredNorm();
 }
 
+/// Share of a marker's noise that the rigid fit passes on to its own place, for the three axes: the diagonal of the hat
+/// matrix; on average over all markers 6 / (3 markers).
+Eigen::Vector3d calcLeverages(const PartMotion& part, const std::string& triad, std::size_t markers) {
+    Eigen::Vector3d leverages = Eigen::Vector3d::Constant(2.0 / static_cast<double>(markers));
+    const Calibration& calibration = part.displacement_calibration;
+    if (calibration.channels.size() < 6) return leverages;
+    const Eigen::MatrixXd hat =
+        calibration.design * calibration.design.completeOrthogonalDecomposition().pseudoInverse();
+    for (std::size_t c = 0; c < calibration.channels.size(); ++c)
+        for (int a = 0; a < 3; ++a)
+            if (calibration.channels[c] == triad + "." + kAxes[a])
+                leverages[a] = hat(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(c));
+    return leverages;
+}
+
 bool addRun(const Recording& recording, const RunMotion& motion, const PartMotion& part, const std::string& triad,
-            const Eigen::Vector3d& position, double leverage, TriaxMoments& moments) {
+            const Eigen::Vector3d& position, const Eigen::Vector3d& leverages, TriaxMoments& moments) {
     if (recording.sampleCount() != motion.time.size()) return false;
     const auto samples = static_cast<Eigen::Index>(recording.sampleCount());
     Eigen::MatrixXd measured(3, samples), point(3, samples);
@@ -61,14 +76,12 @@ bool addRun(const Recording& recording, const RunMotion& motion, const PartMotio
         moments.square += d.cwiseAbs2();
     }
     // Noise of the displacements that predict would pass for a gain below one: its mean is taken out.
-    const double power = static_cast<double>(std::max<Eigen::Index>(0, s.cols() - 2 * margin)) * leverage *
-                         part.displacement_noise * part.displacement_noise * calcNoiseGain(kernel);
-    if (std::isfinite(power)) {
+    const Eigen::Vector3d power = static_cast<double>(std::max<Eigen::Index>(0, s.cols() - 2 * margin)) *
+                                  part.displacement_noise * part.displacement_noise * calcNoiseGain(kernel) * leverages;
+    if (power.allFinite()) {
         moments.noise += power;
-        for (int a = 0; a < 3; ++a) {
-            moments.signal(a, a) -= power;
-            moments.misfit(a, a) += power;
-        }
+        moments.signal.diagonal().head<3>() -= power;
+        moments.misfit.diagonal() += power;
     }
     moments.independent += static_cast<double>(s.cols()) * interval * 2 * kAccelerationPass;
     return true;
@@ -127,8 +140,8 @@ void testTriax(const TriaxMoments& moments, const std::string& triad, double gai
         const Eigen::VectorXd values = normal.ldlt().solve(right);
         const Eigen::VectorXd errors = normal.inverse().diagonal().cwiseAbs().cwiseSqrt();
         const double gain = values.dot(right) - 30.0 * static_cast<double>(count);
-        const double signal = std::max(moments.signal.diagonal().head<3>().minCoeff(), 1e-300);
-        const double attenuation = kAttenuation * moments.noise / signal;
+        const Eigen::Vector3d signal = moments.signal.diagonal().head<3>().cwiseMax(1e-300);
+        const double attenuation = kAttenuation * moments.noise.cwiseQuotient(signal).maxCoeff();
         const bool large = hypothesis.cause == "sensor_gain"
                                ? std::abs(values[0]) > kScatters * gain_scatter + attenuation
                            : hypothesis.cause == "sensor_delay" ? std::abs(values[0]) > kLeastDelay
@@ -163,12 +176,12 @@ std::vector<ChannelFault> findAccelerationFaults(const std::vector<Recording>& r
         for (const auto& connection : model.connections) {
             const std::string triad = (mobile ? "mobile." : "fixed.") + connection.name;
             TriaxMoments moments;
-            const double leverage = 2.0 / static_cast<double>(model.connections.size());  // of a rigid fit, on average
             bool complete = true;
             for (std::size_t r = 0; r < recordings.size() && complete; ++r) {
                 const PartMotion& part = mobile ? motions[r].mobile : motions[r].fixed;
-                complete = part.displacement_measured &&
-                           addRun(recordings[r], motions[r], part, triad, connection.position, leverage, moments);
+                complete =
+                    part.displacement_measured && addRun(recordings[r], motions[r], part, triad, connection.position,
+                                                         calcLeverages(part, triad, model.connections.size()), moments);
             }
             if (complete && moments.independent > 0) testTriax(moments, triad, gain_scatter, faults);
         }
