@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 
 #include "identify/diagnose/acceleration_faults.hpp"
@@ -24,8 +25,8 @@ constexpr double kFloors = 1.5;        // the verdict's limits: noise floors …
 constexpr double kLeastError = 0.03;   // … and error
 constexpr int kPasses = 3;
 constexpr double kNamed = 0.5;
-constexpr double kAloneInAxis =
-    0.9;  // share of the base model's residual that one axis must carry to be the place of all
+constexpr double kAloneInAxis = 0.9;     // share of the base model's residual of the axis that is the place of all
+constexpr int kPatches = 3;              // accepted laws at one axis that are no explanation
 constexpr double kOpenLoopEnough = 1.5;  // misfit per value of a model that is right but cannot be predicted freely
 
 /// Accelerations next to complete displacements serve the consistency of channels; the equations take one kind, so
@@ -172,7 +173,7 @@ public:
             result_.error_before = {calcFreeError(Group(identification, model_).free_runs, model_).error,
                                     calcFreeError(Group(judges, model_).free_runs, model_).error};
         measureAfter();
-        const bool unexplained = isUnexplained();
+        const bool unexplained = isUnexplained() || isPatchwork();
         const bool one_place = unexplained && leaveOnePlace();
         if (unexplained && !pass_.selection.accepted.empty() &&
             result_.error_after.validation > corrected_before_.validation)
@@ -210,6 +211,18 @@ private:
     bool isUnexplained() const {
         return isLarge(result_.error_after.validation, result_.noise_floor.validation) &&
                pass_.selection.validation_after > kOpenLoopEnough;
+    }
+
+    /// Three laws of the catalogue at one axis describe a law that is not in it.
+    bool isPatchwork() const {
+        std::map<std::string, int> laws;
+        for (const Candidate& candidate : pass_.selection.accepted) {
+            if (candidate.where.size() != 1) continue;
+            const std::string& where = candidate.where.front();  // 4.z or 4.z.+
+            const auto axis = where.find('.');
+            if (axis != std::string::npos && ++laws[where.substr(0, axis + 2)] == kPatches) return true;
+        }
+        return false;
     }
 
     /// If a force along one axis could make nearly all that the model without any extension leaves, that axis is the
