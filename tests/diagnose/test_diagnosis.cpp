@@ -31,21 +31,19 @@ Recordings recordAll(const MountModel& truth, std::mt19937_64& random) {
     return result;
 }
 
-/// What is wrong with a diagnosis, empty if nothing is. Chance makes one in some twenty cases fail, so a test fails
-/// when two in a row do.
+/// What is wrong with a diagnosis, empty if nothing is. Chance makes one in some ten cases fail (friction more often),
+/// so a test fails when three in a row do: one run in a thousand.
 template <class Draw>
-void requireOneOfTwo(const Draw& draw) {
-    const auto attempt = [&] {
+void requireOneOfThree(const Draw& draw) {
+    std::string faults;
+    for (int attempt = 0; attempt < 3; ++attempt) {
         const auto seed = std::random_device{}();
         std::mt19937_64 random(seed);
         const std::string fault = draw(random);
-        return fault.empty() ? fault : "seed " + std::to_string(seed) + ": " + fault;
-    };
-    const std::string first = attempt();
-    const std::string second = first.empty() ? first : attempt();
-    INFO(first);
-    INFO(second);
-    CHECK((first.empty() || second.empty()));
+        if (fault.empty()) return;
+        faults += "seed " + std::to_string(seed) + ": " + fault + "\n";
+    }
+    FAIL_CHECK(faults);
 }
 
 /// Name and value come back: the parameter of the model that was changed, within its interval (doubled) or `margin`.
@@ -80,7 +78,7 @@ bool isTooSlow() {
 }  // namespace
 
 TEST_CASE("Nothing is missing where the model is the truth", "[diagnose]") {
-    requireOneOfTwo([](std::mt19937_64& random) -> std::string {
+    requireOneOfThree([](std::mt19937_64& random) -> std::string {
         const auto model = identify::testing::makeRandomDevice(random);
         const auto recordings = recordAll(model, random);
         const auto diagnosis = diagnose(recordings.identification, recordings.validation, model);
@@ -93,7 +91,7 @@ TEST_CASE("Nothing is missing where the model is the truth", "[diagnose]") {
 
 TEST_CASE("A hidden body parameter is found", "[diagnose]") {
     if (isTooSlow()) return;
-    requireOneOfTwo([](std::mt19937_64& random) {
+    requireOneOfThree([](std::mt19937_64& random) {
         const auto model = identify::testing::makeRandomDevice(random);
         switch (std::uniform_int_distribution<int>(0, 2)(random)) {
             case 0:
@@ -109,7 +107,7 @@ TEST_CASE("A hidden body parameter is found", "[diagnose]") {
 
 TEST_CASE("A hidden parameter of a connection is found", "[diagnose]") {
     if (isTooSlow()) return;
-    requireOneOfTwo([](std::mt19937_64& random) {
+    requireOneOfThree([](std::mt19937_64& random) {
         const auto model = identify::testing::makeRandomDevice(random);
         switch (std::uniform_int_distribution<int>(0, 2)(random)) {
             case 0:
@@ -126,7 +124,7 @@ TEST_CASE("A hidden parameter of a connection is found", "[diagnose]") {
 
 TEST_CASE("A faulty channel is found without any force law", "[diagnose]") {
     if (isTooSlow()) return;
-    requireOneOfTwo([](std::mt19937_64& random) -> std::string {
+    requireOneOfThree([](std::mt19937_64& random) -> std::string {
         const auto model = identify::testing::makeRandomDevice(random);
         auto recordings = recordAll(model, random);
         for (auto* group : {&recordings.identification, &recordings.validation})
