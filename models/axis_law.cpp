@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/axis_numbers.hpp"
 #include "models/format_number.hpp"
 #include "models/structural_damping.hpp"
 
@@ -40,17 +41,19 @@ std::optional<LawProblem> findFrictionProblem(const Friction& friction) {
 }  // namespace
 
 std::optional<LawProblem> findProblem(const AxisLaw& law) {
-    if (auto p = findNegative("stiffness", law.stiffness, ", N/m")) return p;
-    if (auto p = findNegative("damping", law.damping, ", N s/m")) return p;
-    if (auto p = findNonFinite("offset", law.offset)) return p;
-    if (auto p = findNonFinite("cubic", law.cubic)) return p;
-    if (auto p = findNegative("loss_factor", law.loss_factor, "")) return p;
+    for (const AxisNumber& number : kAxisNumbers) {
+        const double value = law.*number.member;
+        const std::string unit = number.unit;
+        auto problem = number.range == AxisNumber::Range::any
+                           ? findNonFinite(number.key, value)
+                           : findNegative(number.key, value, unit == "-" ? "" : ", " + unit);
+        if (problem) return problem;
+    }
     if (law.loss_factor >= largestLossFactor()) {
         return LawProblem{"loss_factor", "is " + formatNumber(law.loss_factor),
                           "0 to below " + formatNumber(largestLossFactor(), 3) +
                               ", since its Maxwell branches would leave no static stiffness"};
     }
-    if (auto p = findNonFinite("drift", law.drift)) return p;
     if (law.relaxation) {
         if (auto p = findNegative("relaxation.stiffness_ratio", law.relaxation->stiffness_ratio, "")) return p;
         if (auto p = findNotPositive("relaxation.time_constant", law.relaxation->time_constant, ", s")) return p;

@@ -1,11 +1,14 @@
+#include "models/bracket_modes.hpp"
+
 #include <fast_float/fast_float.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <vector>
 
-#include "models/bracket.hpp"
 #include "models/error.hpp"
+#include "models/format_number.hpp"
 #include "models/recording/text_file.hpp"
 
 namespace wems {
@@ -100,6 +103,24 @@ std::vector<BracketMode> parseBracketModes(std::string_view text, const std::str
     if (header.empty()) throw InputError({file, 0, "header"}, "is missing", accepted_header);
     if (modes.empty()) throw InputError({file, 0, {}}, "has no modes", "a row for each mode below the header");
     return modes;
+}
+
+std::string formatBracketModes(const std::vector<BracketMode>& modes) {
+    const bool with_base = std::any_of(modes.begin(), modes.end(),
+                                       [](const BracketMode& mode) { return !mode.base_participation.isZero(0); });
+    std::string text = std::string(required_header) + (with_base ? base_header : "") + "\n";
+    for (const BracketMode& mode : modes) {
+        text += formatNumber(mode.frequency) + "," + formatNumber(mode.damping_ratio);
+        const auto append = [&text](const Eigen::Vector3d& shape) {
+            for (const double value : shape) text += "," + formatNumber(value);
+        };
+        append(mode.translation);
+        append(mode.rotation);
+        append(mode.load_translation);
+        if (with_base) append(mode.base_participation);
+        text += "\n";
+    }
+    return text;
 }
 
 std::vector<BracketMode> readBracketModes(const std::string& file) {

@@ -3,6 +3,7 @@
 #include <string_view>
 #include <utility>
 
+#include "models/axis_numbers.hpp"
 #include "models/error.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/text_file.hpp"
@@ -36,13 +37,11 @@ Friction readFriction(TomlTable& table) {
 
 AxisLaw readAxis(TomlTable& table) {
     AxisLaw law;
-    law.stiffness = table.requireNumber("stiffness", "N/m");
-    law.damping = table.findNumber("damping").value_or(0);
+    for (const AxisNumber& number : kAxisNumbers)
+        law.*number.member = number.presence == AxisNumber::Presence::required
+                                 ? table.requireNumber(number.key, number.unit)
+                                 : table.findNumber(number.key).value_or(0);
     table.readTables("stops", [&law](TomlTable& stop) { law.stops.push_back(readStop(stop)); });
-    law.offset = table.findNumber("offset").value_or(0);
-    law.cubic = table.findNumber("cubic").value_or(0);
-    law.loss_factor = table.findNumber("loss_factor").value_or(0);
-    law.drift = table.findNumber("drift").value_or(0);
     table.readTable("relaxation", [&law](TomlTable& relaxation) {
         law.relaxation =
             Relaxation{relaxation.requireNumber("stiffness_ratio", ""), relaxation.requireNumber("time_constant", "s")};

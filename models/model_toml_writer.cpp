@@ -3,8 +3,11 @@
 #include <system_error>
 
 #include "models/atomic_file.hpp"
+#include "models/axis_numbers.hpp"
+#include "models/bracket_modes.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
+#include "models/law_equality.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems {
@@ -70,8 +73,7 @@ void writeBody(const MobileBody& body, Writer& out) {
 }
 
 bool exertsNothing(const AxisLaw& law) {
-    return law.stiffness == 0 && law.damping == 0 && law.cubic == 0 && law.offset == 0 && law.loss_factor == 0 &&
-           law.drift == 0 && !law.relaxation && !law.friction && law.stops.empty();
+    return law == AxisLaw{};
 }
 
 std::string formatStop(const Stop& stop) {
@@ -83,12 +85,10 @@ std::string formatStop(const Stop& stop) {
 
 void writeAxis(const AxisLaw& law, char axis, Writer& out) {
     out.line(std::string("[connection.") + axis + "]");
-    out.number("stiffness", law.stiffness);
-    out.optionalNumber("damping", law.damping);
-    out.optionalNumber("offset", law.offset);
-    out.optionalNumber("cubic", law.cubic);
-    out.optionalNumber("loss_factor", law.loss_factor);
-    out.optionalNumber("drift", law.drift);
+    for (const AxisNumber& number : kAxisNumbers) {
+        if (number.presence == AxisNumber::Presence::required || law.*number.member != 0)
+            out.number(number.key, law.*number.member);
+    }
     if (law.relaxation) {
         out.key("relaxation", "{ stiffness_ratio = " + number(law.relaxation->stiffness_ratio) +
                                   ", time_constant = " + number(law.relaxation->time_constant) + " }");
@@ -161,6 +161,23 @@ void writePlace(const SensorPlace& place, Writer& out) {
     if (!channels.empty()) out.key("channels", "{ " + channels + " }");
 }
 
+/// True if modes were added to those of the model's modes file.
+bool holdsMore(const MountModel& model) {
+    return std::filesystem::exists(model.bracket_path) &&
+           readBracketModes(model.bracket_path).size() < model.bracket.size();
+}
+
+/// Writes all modes to a file beside `file` and returns its name; never the file that the model was read from.
+std::string writeOwnModes(const MountModel& model, const std::filesystem::path& file) {
+    const std::string stem = file.stem().string();
+    std::error_code missing;
+    std::filesystem::path own = file.parent_path() / (stem + "_bracket.csv");
+    if (std::filesystem::equivalent(own, model.bracket_path, missing))
+        own = file.parent_path() / (stem + "_bracket_extended.csv");
+    AtomicFile::write(own.string(), formatBracketModes(model.bracket));
+    return own.filename().string();
+}
+
 }  // namespace
 
 std::string formatMountModel(const MountModel& model, const std::string& bracket_file) {
@@ -196,6 +213,8 @@ void writeMountModel(const MountModel& model, const std::string& file) {
         const fs::path modes = fs::weakly_canonical(fs::absolute(model.bracket_path), failed);
         if (!failed) bracket_file = modes.lexically_proximate(folder).generic_string();
     }
+    // The modes first: no model is left that names a file that is not there.
+    if (!model.bracket_path.empty() && holdsMore(model)) bracket_file = writeOwnModes(model, file);
     AtomicFile::write(file, formatMountModel(model, bracket_file));
 }
 

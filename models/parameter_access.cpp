@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "models/axis_numbers.hpp"
 #include "models/parameter_name.hpp"
 
 namespace wems {
@@ -24,12 +25,7 @@ std::pair<int, int> inertiaEntry(int index) {
 
 double getAxis(const AxisLaw& law, const Target& target, const std::string& name) {
     const auto& p = target.parameter;
-    if (p == "stiffness") return law.stiffness;
-    if (p == "damping") return law.damping;
-    if (p == "offset") return law.offset;
-    if (p == "cubic") return law.cubic;
-    if (p == "loss_factor") return law.loss_factor;
-    if (p == "drift") return law.drift;
+    if (const AxisNumber* number = findAxisNumber(p)) return law.*number->member;
     if (p == "stiffness_ratio") return law.relaxation ? law.relaxation->stiffness_ratio : 0.0;
     if (p == "time_constant") return law.relaxation ? law.relaxation->time_constant : kNewTimeConstant;
     if (p == "friction_force") return law.friction ? law.friction->force : 0.0;
@@ -54,18 +50,8 @@ void setAxis(AxisLaw& law, const Target& target, const std::string& name, double
         if (!law.friction) law.friction = Friction{};
         return *law.friction;
     };
-    if (p == "stiffness") {
-        law.stiffness = value;
-    } else if (p == "damping") {
-        law.damping = value;
-    } else if (p == "offset") {
-        law.offset = value;
-    } else if (p == "cubic") {
-        law.cubic = value;
-    } else if (p == "loss_factor") {
-        law.loss_factor = value;
-    } else if (p == "drift") {
-        law.drift = value;
+    if (const AxisNumber* number = findAxisNumber(p)) {
+        law.*number->member = value;
     } else if (p == "stiffness_ratio") {
         relaxation().stiffness_ratio = value;
     } else if (p == "time_constant") {
@@ -116,6 +102,16 @@ void setStop(MountModel& model, const Target& target, const std::string& name, d
     }
 }
 
+/// Value of a bracket mode; what a name may say was checked when it was taken apart.
+double& modeEntry(BracketMode& mode, const std::string& parameter) {
+    if (parameter == "frequency") return mode.frequency;
+    if (parameter == "damping_ratio") return mode.damping_ratio;
+    const auto component = static_cast<Eigen::Index>(parameter.back() - 'x');
+    if (parameter.rfind("load.", 0) == 0) return mode.load_translation[component];
+    if (parameter.rfind("base.", 0) == 0) return mode.base_participation[component];
+    return (parameter[0] == 'u' ? mode.translation : mode.rotation)[component];
+}
+
 template <typename Sensors>
 auto findSensor(Sensors& sensors, const std::string& channel) -> decltype(sensors.data()) {
     for (auto& sensor : sensors)
@@ -143,8 +139,8 @@ double getParameter(const MountModel& model, const std::string& name) {
             return model.body.inertia(row, column);
         }
         case Target::Kind::mode: {
-            const auto& mode = model.bracket[static_cast<std::size_t>(target.index)];
-            return target.parameter == "frequency" ? mode.frequency : mode.damping_ratio;
+            auto mode = model.bracket[static_cast<std::size_t>(target.index)];
+            return modeEntry(mode, target.parameter);
         }
         case Target::Kind::load:
             return model.load && !model.load->gain_over_frequency.empty()
@@ -185,8 +181,7 @@ void setParameter(MountModel& model, const std::string& name, double value) {
             return;
         }
         case Target::Kind::mode: {
-            auto& mode = model.bracket[static_cast<std::size_t>(target.index)];
-            (target.parameter == "frequency" ? mode.frequency : mode.damping_ratio) = value;
+            modeEntry(model.bracket[static_cast<std::size_t>(target.index)], target.parameter) = value;
             auto& replaced = model.replaced_modes;
             if (std::find(replaced.begin(), replaced.end(), target.index + 1) == replaced.end())
                 replaced.push_back(target.index + 1);

@@ -9,8 +9,8 @@
 namespace wems::parameter {
 namespace {
 
-constexpr double kNewStopRatio = 10.0;         // of the elastomer's stiffness
-constexpr double kTypicalDisplacement = 1e-3;  // m
+constexpr double kNewStopRatio = 10.0;      // of the elastomer's stiffness
+constexpr double kTypicalClearance = 1e-3;  // m
 
 }  // namespace
 
@@ -80,10 +80,19 @@ Target parseSensor(const std::string& name, const std::vector<std::string>& part
     failName(name, "a sensor has gain, delay, rx, ry and rz only");
 }
 
+/// `frequency`, `damping_ratio`, `ux`, `rx`, `load.ux`, `base.ux` … after the row.
+bool isModeParameter(const std::vector<std::string>& parts) {
+    const auto& last = parts.back();
+    if (parts.size() == 2 && (last == "frequency" || last == "damping_ratio")) return true;
+    if (last.size() != 2 || !axisIndex(last.substr(1))) return false;
+    if (parts.size() == 2) return last[0] == 'u' || last[0] == 'r';
+    return parts.size() == 3 && last[0] == 'u' && (parts[1] == "load" || parts[1] == "base");
+}
+
 Target parseMode(const MountModel& model, const std::string& name, const std::vector<std::string>& parts) {
     Target target;
     target.kind = Target::Kind::mode;
-    target.parameter = parts[1];
+    target.parameter = parts.size() == 2 ? parts[1] : parts[1] + "." + parts[2];
     target.index = -1;
     if (!parts[0].empty() && parts[0].size() < 6 &&
         std::all_of(parts[0].begin(), parts[0].end(), [](char c) { return c >= '0' && c <= '9'; }))
@@ -105,8 +114,7 @@ Target parse(const MountModel& model, const std::string& name) {
         target.kind = Target::Kind::load;
         return target;
     }
-    if (parts.size() == 2 && (parts[1] == "frequency" || parts[1] == "damping_ratio"))
-        return parseMode(model, name, parts);
+    if (isModeParameter(parts)) return parseMode(model, name, parts);
     Target target;
     target.parameter = parts.back();
     std::size_t end = parts.size() - 1;
@@ -144,7 +152,7 @@ double typicalClearance(const MountModel& model) {
                 sum += stop.clearance;
                 ++count;
             }
-    return count > 0 ? sum / count : kTypicalDisplacement;
+    return count > 0 ? sum / count : kTypicalClearance;
 }
 
 }  // namespace wems::parameter

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/axis_numbers.hpp"
 #include "models/parameter_access.hpp"
 #include "models/parameter_name.hpp"
 
@@ -26,7 +27,7 @@ double typicalStiffness(const MountModel& model, const AxisLaw& law) {
     return count > 0 ? sum / count : 1.0;
 }
 
-double axisScale(const MountModel& model, const Target& target) {
+double axisScale(const MountModel& model, const Target& target, const std::string& name) {
     const auto& law = lawOf(model, target);
     const double stiffness = typicalStiffness(model, law);
     const auto& p = target.parameter;
@@ -40,7 +41,22 @@ double axisScale(const MountModel& model, const Target& target) {
     if (p == "presliding_stiffness") return stiffness;
     if (p == "dissipation") return 0.5;
     if (p == "time_constant") return law.relaxation ? law.relaxation->time_constant : 0.01;
-    return 0.1;  // loss factor, stiffness ratio
+    if (p == "loss_factor" || p == "stiffness_ratio") return 0.1;
+    failName(name, "a parameter without typical size");
+}
+
+/// Shapes matter at the size of the model's other shapes of their kind, the same for all three components.
+double modeScale(const MountModel& model, const Target& target, const std::string& name) {
+    const auto& p = target.parameter;
+    if (p == "frequency" || p == "damping_ratio") return getParameter(model, name);
+    double largest = 0;
+    for (const auto& mode : model.bracket)
+        largest = std::max(largest, (p.rfind("load.", 0) == 0   ? mode.load_translation
+                                     : p.rfind("base.", 0) == 0 ? mode.base_participation
+                                     : p[0] == 'r'              ? mode.rotation
+                                                                : mode.translation)
+                                        .norm());
+    return largest > 0 ? largest : 1.0;
 }
 
 }  // namespace
@@ -48,16 +64,17 @@ double axisScale(const MountModel& model, const Target& target) {
 std::string parameterUnit(const std::string& name) {
     const auto parts = split(name);
     const auto& p = parts.back();
+    const bool of_mode = !parts[0].empty() && parts[0] != "mobile" && parts[0] != "fixed" && parts[0] != "base";
+    if (of_mode && p.size() == 2 && (p[0] == 'u' || p[0] == 'r'))
+        return p[0] == 'r' ? "kg^-1/2 m^-1" : parts[1] == "base" ? "kg^1/2" : "kg^-1/2";
     if (parts[0] == "body") {
         if (p == "mass") return "kg";
         if (parts.size() > 1 && parts[1] == "inertia") return "kg m^2";
         return parts.size() > 1 && parts[1] == "spin" ? "N m s" : "m";
     }
-    if (p == "stiffness" || p == "presliding_stiffness") return "N/m";
-    if (p == "damping") return "N s/m";
-    if (p == "clearance" || p == "offset") return "m";
-    if (p == "cubic") return "N/m^3";
-    if (p == "drift") return "1/s";
+    if (const AxisNumber* number = findAxisNumber(p)) return number->unit;
+    if (p == "presliding_stiffness") return "N/m";
+    if (p == "clearance") return "m";
     if (p == "time_constant" || p == "delay") return "s";
     if (p == "friction_force") return "N";
     if (p == "transition_velocity") return "m/s";
@@ -72,7 +89,7 @@ double parameterScale(const MountModel& model, const std::string& name) {
     const double trace = model.body.inertia.trace() / 3.0;
     switch (target.kind) {
         case Target::Kind::axis:
-            return axisScale(model, target);
+            return axisScale(model, target, name);
         case Target::Kind::stop: {
             const Stop* stop = findStop(lawOf(model, target), target.side);
             if (target.parameter == "dissipation") return 0.5;
@@ -88,7 +105,7 @@ double parameterScale(const MountModel& model, const std::string& name) {
         case Target::Kind::inertia:
             return 0.1 * trace;
         case Target::Kind::mode:
-            return getParameter(model, name);
+            return modeScale(model, target, name);
         case Target::Kind::load:
             return 1.0;
         case Target::Kind::sensor:

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <string>
+#include <thread>
 
 namespace wems {
 
-/// One line on standard error that is overwritten: what is being done and the time left. It goes with the object.
-/// Writes nothing where standard error is not a terminal.
+/// One line on standard error that is overwritten: what is being done, the time spent and, as far as it can be told,
+/// the time left. It goes with the object. Writes nothing where standard error is not a terminal.
 class Progress {
 public:
     explicit Progress(bool wanted);
@@ -22,14 +25,29 @@ public:
     void show(double fraction, const std::string& what);
     /// True where show() would write now; spares its caller the text otherwise.
     bool due() const;
-    /// At once, for steps whose length is not known beforehand: the step and the time spent so far.
-    void step(const std::string& what);
+    /// A step that tells nothing until it is over, shown at once; its times go on by themselves, once a second.
+    /// @param from, to where the step usually begins and ends, as parts of the whole time; the time left follows from
+    /// what the steps before took. Absent: not known beforehand.
+    void step(const std::string& what, double from = 0, double to = 1);
 
 private:
+    using Clock = std::chrono::steady_clock;
+
+    double spent() const;
+    void keepWriting();
+    void writeStep();
     void write(const std::string& line);
 
     bool wanted_, shown_ = false;
-    std::chrono::steady_clock::time_point start_, last_;
+    Clock::time_point start_, last_;
+
+    std::mutex mutex_;  // of all below and of writing
+    std::condition_variable ended_;
+    bool over_ = false;
+    std::string what_;
+    double whole_ = 0;    // s, expected; 0: not known
+    double later_ = 0;    // s, expected after the present step
+    std::thread writer_;  // from the first step on
 };
 
 }  // namespace wems

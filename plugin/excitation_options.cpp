@@ -1,31 +1,13 @@
 #include <cmath>
-#include <cstdlib>
-#include <sstream>
 
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/recording/recording_reader.hpp"
+#include "plugin/excitation_kinds.hpp"
 #include "plugin/simulate_options.hpp"
 
 namespace wems::plugin {
 namespace {
-
-/// `5:50` as numbers, exactly `count` of them and all positive.
-std::vector<double> parseColons(const std::string& text, std::size_t count, const std::string& option,
-                                const std::string& accepted) {
-    std::vector<double> numbers;
-    std::stringstream stream(text);
-    for (std::string part; std::getline(stream, part, ':');) {
-        char* end = nullptr;
-        const double value = std::strtod(part.c_str(), &end);
-        if (part.empty() || *end != '\0' || !std::isfinite(value) || !(value > 0)) break;
-        numbers.push_back(value);
-    }
-    std::string rest;
-    if (numbers.size() != count || stream >> rest || text.back() == ':')
-        throw InputError({"", 0, option}, "`" + text + "` is not understood", accepted);
-    return numbers;
-}
 
 std::string formatVector(const Eigen::Vector3d& v) {
     std::string text;
@@ -42,33 +24,6 @@ std::vector<double> makeUniformTimes(double rate, double duration) {
     std::vector<double> times(static_cast<std::size_t>(count));
     for (std::size_t k = 0; k < times.size(); ++k) times[k] = static_cast<double>(k) / rate;
     return times;
-}
-
-struct NamedSignal {
-    std::shared_ptr<const Signal> signal;
-    bool swept;
-    std::string description;
-};
-
-NamedSignal makeSignal(const SimulateOptions& options) {
-    const Fade fade{options.fade, options.fade};
-    if (!options.sweep.empty()) {
-        const auto f = parseColons(options.sweep, 2, "--sweep", "two frequencies in Hz, such as 5:50");
-        const std::string range = "sine sweep " + formatNumber(f[0]) + " to " + formatNumber(f[1]) + " Hz, ";
-        if (options.hertz_per_second)
-            return {makeLinearSweep(f[0], f[1], *options.hertz_per_second, fade), true,
-                    range + formatNumber(*options.hertz_per_second) + " Hz per second"};
-        const double rate = options.octaves_per_minute.value_or(4);
-        return {makeLogarithmicSweep(f[0], f[1], rate, fade), true, range + formatNumber(rate) + " octaves per minute"};
-    }
-    if (!options.dwell.empty()) {
-        const auto f = parseColons(options.dwell, 2, "--dwell", "frequency in Hz and duration in s, such as 30:10");
-        return {makeDwell(f[0], f[1], fade), true,
-                "dwell at " + formatNumber(f[0]) + " Hz, " + formatNumber(f[1]) + " s"};
-    }
-    const auto f = parseColons(options.random, 3, "--random", "band in Hz and duration in s, such as 5:50:60");
-    return {makeBandLimitedRandom(f[0], f[1], f[2], options.seed, fade), false,
-            "random " + formatNumber(f[0]) + " to " + formatNumber(f[1]) + " Hz, " + formatNumber(f[2]) + " s"};
 }
 
 Excitation makeReplay(const SimulateOptions& options) {
@@ -94,7 +49,7 @@ Excitation makeReplay(const SimulateOptions& options) {
 
 Excitation makeExcitation(const SimulateOptions& options) {
     if (!options.replay_file.empty()) return makeReplay(options);
-    const NamedSignal named = makeSignal(options);
+    const NamedSignal named = options.kind->make(options.signal, options);
     Excitation excitation;
     excitation.drive = makeSignalDrive(named.signal, options.force, options.base_acceleration, named.swept);
     excitation.description = named.description;

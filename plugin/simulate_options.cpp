@@ -11,6 +11,7 @@
 
 #include "models/command_line/completion.hpp"
 #include "models/error.hpp"
+#include "models/recording/recording_reader.hpp"
 
 namespace wems::plugin {
 namespace {
@@ -89,22 +90,39 @@ ChannelSelection parseChannels(const std::string& text) {
     return selection;
 }
 
+/// `--sweep f0:f1, --dwell …, --from-csv FILE`, or the options alone.
+std::string listExcitations(bool with_form) {
+    std::string list;
+    for (const ExcitationKind& kind : excitationKinds())
+        list += kind.option + (with_form ? std::string(" ") + kind.form : std::string()) + ", ";
+    return list + (with_form ? "--from-csv FILE" : "--from-csv");
+}
+
 constexpr const char* footer =
-    "Exactly one of --sweep, --dwell, --random, --from-csv, and but for --from-csv one of --force,\n"
-    "--base-acceleration. The recording starts from the static equilibrium under the model's gravity;\n"
-    "displacements count from there. Exit status: 0 done, 2 bad input or usage.\n\n"
+    "and but for --from-csv one of --force, --base-acceleration. The recording starts from the static\n"
+    "equilibrium under the model's gravity; displacements count from there. Exit status: 0 done, 2 bad input or "
+    "usage.\n\n"
     "Example, a sweep at 200 N along z, four octaves per minute, with a micrometre of sensor noise:\n"
     "  simulate smallsat.toml --sweep 5:50 --rate 4 --force z=200 --noise displacement=1e-6 -o run.csv\n"
     "The same load once more on another model, for comparison:\n"
     "  simulate other.toml --from-csv run.csv -o other.csv";
 
+/// Finds the one excitation among the values that were given to the options of excitationKinds().
+void chooseExcitation(const std::vector<std::string>& values, SimulateOptions& options) {
+    int given = options.replay_file.empty() ? 0 : 1;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (values[i].empty()) continue;
+        ++given;
+        options.kind = &excitationKinds()[i];
+        options.signal = values[i];
+    }
+    if (given != 1)
+        throw InputError({"", 0, "excitation"}, given == 0 ? "none is given" : "more than one is given",
+                         "one of " + listExcitations(true));
+}
+
 /// Everything that CLI11 cannot check by itself.
 void checkOptions(const SimulateOptions& options) {
-    const int kinds =
-        !options.sweep.empty() + !options.dwell.empty() + !options.random.empty() + !options.replay_file.empty();
-    if (kinds != 1)
-        throw InputError({"", 0, "excitation"}, kinds == 0 ? "none is given" : "more than one is given",
-                         "one of --sweep f0:f1, --dwell f:duration, --random f0:f1:duration, --from-csv FILE");
     const int levels = !options.force.isZero() + !options.base_acceleration.isZero();
     if (options.replay_file.empty() && levels != 1)
         throw InputError({"", 0, "level"}, levels == 0 ? "none is given" : "both force and base acceleration are given",
@@ -112,12 +130,14 @@ void checkOptions(const SimulateOptions& options) {
     if (!options.replay_file.empty() && levels != 0)
         throw InputError({"", 0, "--from-csv"}, "the recording says load and base motion itself",
                          "no --force and no --base-acceleration beside it");
-    if (options.sweep.empty() && (options.octaves_per_minute || options.hertz_per_second))
+    const bool takes_rate = options.kind != nullptr && options.kind->takes_rate;
+    if (!takes_rate && (options.octaves_per_minute || options.hertz_per_second))
         throw InputError({"", 0, "--rate"}, "is the rate of a sweep, and there is none", "--sweep f0:f1");
     if (options.octaves_per_minute && options.hertz_per_second)
         throw InputError({"", 0, "--rate"}, "and --linear-rate are both given", "one of them");
     if (!options.replay_file.empty() && options.fade > 0)
-        throw InputError({"", 0, "--fade"}, "does not go with --from-csv", "a sweep, dwell or random excitation");
+        throw InputError({"", 0, "--fade"}, "does not go with --from-csv",
+                         "a sweep or another excitation that is no recording");
     const auto requirePositive = [](const std::optional<double>& value, const char* name) {
         if (value && !(*value > 0 && std::isfinite(*value)))
             throw InputError({"", 0, name}, "is not above zero", "a number above 0");
@@ -138,16 +158,16 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     std::string force, base, noise, channels;
     CLI::App app{"Simulate equipment on elastomer mounts with stops (Simbody) and record it."};
     app.name(programName(argv[0]));
-    app.footer(footer);
+    app.footer("Exactly one of " + listExcitations(false) + ",\n" + footer);
     app.add_option("MODEL", options.model_file, "mount model, TOML")->required();
     app.add_option("-o,--output", options.output_file, "recording to write: .csv, or .trc, .sto, .mot for OpenSim");
-    app.add_option("--sweep", options.sweep, "sine sweep f0:f1 in Hz, downwards if f1 < f0");
+    std::vector<std::string> signals(excitationKinds().size());
+    for (std::size_t i = 0; i < signals.size(); ++i)
+        app.add_option(excitationKinds()[i].option, signals[i], excitationKinds()[i].help);
     app.add_option("--rate", options.octaves_per_minute, "logarithmic sweep rate, octaves per minute (default 4)");
     app.add_option("--linear-rate", options.hertz_per_second, "linear sweep rate, Hz per second");
-    app.add_option("--dwell", options.dwell, "sine f:duration in Hz and s");
-    app.add_option("--random", options.random, "band-limited noise f0:f1:duration in Hz and s; levels are RMS");
     app.add_option("--from-csv", options.replay_file,
-                   "replay the load or base motion of this recording (CSV, MATLAB, UFF 58, .sto)");
+                   std::string("replay the load or base motion of this recording (") + kReadableFormats + ")");
     app.add_option("--columns", options.column_map, "TOML that maps that recording's column names to channel names");
     app.add_option("--force", force, "force at the bracket's load point, N, such as z=200 or x=100,y=100");
     app.add_option("--base-acceleration", base, "acceleration of the base, m/s^2, such as z=1.0");
@@ -172,6 +192,7 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
         if (!base.empty()) options.base_acceleration = parseAxes(base, "--base-acceleration");
         if (!noise.empty()) options.noise = parseNoise(noise);
         if (!channels.empty()) options.channels = parseChannels(channels);
+        chooseExcitation(signals, options);
         checkOptions(options);
         return options;
     } catch (const CLI::CallForHelp&) {

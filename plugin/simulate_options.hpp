@@ -9,6 +9,7 @@
 #include <string>
 
 #include "plugin/drive.hpp"
+#include "plugin/excitation_kinds.hpp"
 #include "plugin/recorder.hpp"
 #include "plugin/sensor_noise.hpp"
 
@@ -19,11 +20,10 @@ struct SimulateOptions {
     std::string model_file;
     std::string output_file, json_file, report_file;
 
-    // One of these.
-    std::string sweep;   ///< f0:f1, Hz
-    std::string dwell;   ///< f:duration, Hz and s
-    std::string random;  ///< f0:f1:duration
-    std::string replay_file;
+    // A kind of excitation with its values, or a recording to replay.
+    const ExcitationKind* kind = nullptr;  ///< nullptr if a recording is replayed
+    std::string signal;                    ///< what the user gave to the option of `kind`
+    std::string replay_file;               ///< empty otherwise
 
     std::optional<double> octaves_per_minute, hertz_per_second;   ///< of a sweep; without both 4 octaves per minute
     double fade = 0;                                              ///< s, at start and end

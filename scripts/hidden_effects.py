@@ -48,9 +48,7 @@ def simulate(folder):
 
 def diagnose(seed, index, options):
     folder = f"{options.folder}/{index}"
-    command = [f"{PROGRAMS}/tests/hidden/hidden_case", str(seed), str(index), folder]
-    if options.kind:
-        command.append(options.kind)
+    command = [f"{PROGRAMS}/tests/hidden/hidden_case", str(seed), str(index), folder, options.kind or "any", options.sensors]
     entry = {"index": index}
     try:
         run(command)
@@ -236,6 +234,7 @@ def main():
     parser.add_argument("--index", type=int, nargs="*", help="these cases of the seed alone")
     parser.add_argument("--first", type=int, default=0, help="index of the first case")
     parser.add_argument("--kind", default="", help="single, two, none, outside, or a cause")
+    parser.add_argument("--sensors", choices=["any", "accelerations"], default="any", help="accelerations: nothing else recorded")
     parser.add_argument("--forward", action="store_true", help="truth by the generator's own integrator, not by Simbody")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--keep", action="store_true", help="keep the recordings")

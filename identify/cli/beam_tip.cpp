@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "identify/cli/command.hpp"
+#include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
@@ -47,8 +49,12 @@ void addPlot(HtmlReport& page, const std::string& title, const TipSpring& spring
 void runBeamTip(const BeamTipOptions& options) {
     const std::optional<ColumnMap> map =
         options.common.column_map.empty() ? std::nullopt : std::optional(readColumnMap(options.common.column_map));
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
+    progress->step("reading " + options.recording);
     const Recording recording = readRecording(options.recording, map ? &*map : nullptr);
+    progress->step("regression", 0.6);
     const BeamTip tip = identifyBeamTip(recording, Beam{});
+    progress.reset();
     Table table({"equation of the tip", "cubic [N/m^3]", "linear part", "damping", "unexplained"});
     for (const auto& [name, spring] : {std::pair("complete", &tip.complete), std::pair("truncated", &tip.truncated)})
         table.addRow({name, formatNumber(spring->cubic, 6), formatNumber(spring->stiffness, 6),

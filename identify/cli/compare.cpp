@@ -5,6 +5,8 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
@@ -118,16 +120,20 @@ void writeReport(const Comparison& comparison, const CompareOptions& options) {
     page.write(options.common.report_file);
 }
 
-Comparison runComparison(const CompareOptions& options) {
+/// @param[out] warnings about the recordings
+Comparison runComparison(const CompareOptions& options, Progress& progress, std::vector<std::string>& warnings) {
     std::optional<MountModel> model;
     if (!options.model.empty()) model = readDeviceModel(options.model, options.common.geometry);
     const std::optional<ColumnMap> map = readOptionalMap(options.common.column_map);
     const std::optional<ColumnMap> laboratory = model ? readDeviceMap(options.common.column_map, *model) : map;
+    const double share_of_reading = model ? 0.5 : 0.9;
+    progress.step("reading " + options.measured);
     const Recording measured = readRecording(options.measured, laboratory ? &*laboratory : nullptr);
+    progress.step("reading " + options.simulated, share_of_reading / 2);
     const Recording simulated = readRecording(options.simulated, map ? &*map : nullptr);
+    progress.step("comparing", share_of_reading);
     for (const auto* recording : {&measured, &simulated})
-        for (const auto& warning : recording->warnings)
-            std::cerr << "identify: " << recording->file << ": " << warning << "\n";
+        for (const auto& warning : recording->warnings) warnings.push_back(recording->file + ": " + warning);
     if (!model) {
         Comparison comparison =
             compare(calcRelativeDisplacement(measured), calcRelativeDisplacement(simulated), nullptr);
@@ -146,7 +152,7 @@ void addCompareCommand(CLI::App& app, int& exit_status) {
     auto options = std::make_shared<CompareOptions>();
     addCommonOptions(*command, options->common);
     addGeometryOption(*command, options->common);
-    command->add_option("measured", options->measured, "recording of the test (CSV, MATLAB, UFF 58, OpenSim)")
+    command->add_option("measured", options->measured, std::string("recording of the test (") + kReadableFormats + ")")
         ->required();
     command->add_option("simulated", options->simulated, "recording of the simulation")->required();
     command->add_option("--model", options->model,
@@ -156,9 +162,10 @@ void addCompareCommand(CLI::App& app, int& exit_status) {
     command->footer("Example:\n  identify compare measured.csv simulated.csv --model mount.toml --limit 0.05");
     command->callback([options, command, &exit_status] {
         std::optional<Progress> progress(std::in_place, !options->common.quiet);
-        progress->step("reading and comparing");
-        const Comparison comparison = runComparison(*options);
+        std::vector<std::string> warnings;
+        const Comparison comparison = runComparison(*options, *progress, warnings);
         progress.reset();
+        for (const auto& warning : warnings) std::cerr << "identify: " << warning << "\n";
         if (options->common.printsText()) {
             std::cout << describeError(comparison) << "\n\n" << makeTable(comparison).format(outputStyle());
             for (const auto& note : comparison.notes) std::cout << "note: " << note << "\n";

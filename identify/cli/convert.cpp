@@ -1,9 +1,11 @@
 // identify convert: a recording from any format that is read to any that is written.
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
+#include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_writer.hpp"
 
@@ -23,12 +25,16 @@ void runConvert(const ConvertOptions& options) {
         const MountModel model = readMountModel(options.model);
         for (const Connection& connection : model.connections) write.rest[connection.name] = connection.position;
     }
+    std::optional<Progress> progress(std::in_place, !options.quiet);
+    progress->step("reading " + options.input);
     const std::optional<ColumnMap> map = readOptionalMap(options.column_map);
     const Recording recording = readRecording(options.input, map ? &*map : nullptr);
+    progress->step("writing " + options.output, 0.55);
+    const auto notes = writeRecording(recording, options.output, write);
+    progress.reset();
     for (const auto& warning : recording.warnings)
         std::cerr << "identify: " << recording.file << ": " << warning << "\n";
-    for (const auto& note : writeRecording(recording, options.output, write))
-        std::cerr << "identify: " << options.output << ": " << note << "\n";
+    for (const auto& note : notes) std::cerr << "identify: " << options.output << ": " << note << "\n";
     if (options.quiet) return;
     std::cout << options.output << ": " << recording.channels.size() << " channels, " << recording.sampleCount()
               << " samples from " << recording.format << "\n";
@@ -44,8 +50,7 @@ void runConvert(const ConvertOptions& options) {
 void addConvertCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("convert", "Turn a recording into another format");
     auto options = std::make_shared<ConvertOptions>();
-    command->add_option("input", options->input, "CSV, MATLAB (.mat), UFF 58 (.uff, .unv), OpenSim (.trc, .sto, .mot)")
-        ->required();
+    command->add_option("input", options->input, std::string("recording (") + kReadableFormats + ")")->required();
     command->add_option("output", options->output, ".csv, .trc, .sto or .mot")->required();
     command->add_option("--columns", options->column_map, "TOML that maps your column names to channel names");
     command->add_option("--model", options->model, "mount model: markers in .trc stand where its connections are");

@@ -1,16 +1,16 @@
 // `identify diagnose`: what the simulation gets wrong, the named causes, the extended model, the gain.
-#include <cmath>
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
 #include "identify/cli/campaign.hpp"
 #include "identify/cli/command.hpp"
-#include "identify/cli/device_scene.hpp"
 #include "identify/cli/diagnosis_output.hpp"
 #include "identify/cli/diagnosis_report.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/diagnose/diagnosis.hpp"
 #include "models/progress.hpp"
+#include "models/recording/recording_reader.hpp"
 
 namespace wems::identify::cli {
 namespace {
@@ -21,6 +21,44 @@ struct DiagnoseArguments {
     std::string output;
 };
 
+/// When the steps of a diagnosis usually begin, as part of its whole time: as if the present round were the last one,
+/// the first one as if it found a cause.
+class StepShares {
+public:
+    /// Zero where it cannot be told.
+    double findBegin(const std::string& step) {
+        const auto is = [&](const char* name) { return step.rfind(name, 0) == 0; };
+        if (is("equations of motion with")) known_ = false;  // all over again
+        if (!known_) return 0;
+        if (is("round")) ++rounds_;
+        if (is("rivals")) ++rivals_;
+        const int causes = std::max(1, rounds_ - 1);
+        double done = reading, left = one_round + causes * rivals + judging;
+        if (is("equations of motion")) {
+            left += equations + one_round + adoption;
+        } else if (is("round")) {
+            done += equations + (rounds_ - 1) * (one_round + adoption);
+            if (rounds_ == 1) left += one_round + adoption;
+        } else if (is("taken")) {
+            done += equations + rounds_ * one_round + (rounds_ - 1) * adoption;
+            left += adoption + (rounds_ - causes) * rivals;
+        } else if (is("rivals")) {
+            done += equations + rounds_ * one_round + (rounds_ - 1) * adoption + (rivals_ - 1) * rivals;
+            left = (causes - rivals_ + 1) * rivals + judging;
+        } else {
+            return 0;
+        }
+        return done / (done + left);
+    }
+
+private:
+    // As measured, in units of the time that setting the equations up takes.
+    static constexpr double reading = 0.08, equations = 1, one_round = 0.95, adoption = 0.4, rivals = 1.5,
+                            judging = 0.1;
+    int rounds_ = 0, rivals_ = 0;
+    bool known_ = true;
+};
+
 void runDiagnose(DiagnoseArguments arguments) {
     resolveRuns(arguments.runs, arguments.common);
     const MountModel model = readDeviceModel(arguments.runs.model, arguments.common.geometry);
@@ -29,14 +67,17 @@ void runDiagnose(DiagnoseArguments arguments) {
     const auto identification = readDeviceRecordings(arguments.runs.recordings, arguments.common.column_map, model);
     const auto validation = readDeviceRecordings(arguments.runs.validation, arguments.common.column_map, model);
     DiagnosisOptions options;
-    options.progress = [&](const std::string& text) { progress->step(text); };
+    StepShares shares;
+    options.progress = [&](const std::string& text) { progress->step(text, shares.findBegin(text)); };
     const Diagnosis diagnosis = diagnose(identification, validation, model, options);
+    if (!arguments.common.report_file.empty()) {
+        progress->step("report");
+        writeDiagnosisReport(diagnosis, model, {identification, validation},
+                             model.name.empty() ? arguments.runs.model : model.name, arguments.common.report_file);
+    }
     progress.reset();
     if (!arguments.output.empty()) writeMountModel(diagnosis.extended, arguments.output);
     writeJson(makeDiagnosisJson(diagnosis), arguments.common);
-    if (!arguments.common.report_file.empty())
-        writeDiagnosisReport(diagnosis, model.name.empty() ? arguments.runs.model : model.name,
-                             makeDeviceScene(identification, diagnosis.extended), arguments.common.report_file);
     if (arguments.common.printsText()) {
         for (const auto* group : {&identification, &validation})
             for (const auto& recording : *group)
@@ -52,7 +93,7 @@ void addDiagnoseCommand(CLI::App& app, int&) {
     auto arguments = std::make_shared<DiagnoseArguments>();
     auto* command = app.add_subcommand("diagnose", "Find what the model lacks or has wrong, and extend it");
     command->add_option("runs", arguments->runs.recordings,
-                        "recordings to identify from (CSV, MATLAB, UFF 58, OpenSim)");
+                        std::string("recordings to identify from (") + kReadableFormats + ")");
     command->add_option("--test", arguments->runs.test, "TOML that lists the runs of a test and their roles");
     command->add_option("--model", arguments->runs.model, "mount model (TOML)");
     command->add_option("--validate", arguments->runs.validation, "recordings that judge; never fitted to");

@@ -1,5 +1,6 @@
 #include "identify/cli/diagnosis_output.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "identify/cli/command.hpp"
@@ -60,6 +61,13 @@ nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis) {
             {"validated", diagnosis.validated}};
 }
 
+std::string describePlace(const Round& round) {
+    if (!(round.identification_before > 1) || !(round.place_share > 0))
+        return "what the mount leaves does not exceed the noise";
+    return "a force of any history along " + round.place + " alone could make " +
+           formatPercent(std::min(round.place_share, 1.0)) + " of what the mount leaves above the noise";
+}
+
 std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
     std::string text;
     for (const auto& note : diagnosis.notes) text += "Motion: " + note + "\n";
@@ -70,8 +78,7 @@ std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
             " before, " + formatNumber(diagnosis.misfit_after, 4) + " after (1 = noise alone)\n";
     for (std::size_t r = 0; r < diagnosis.rounds.size(); ++r) {
         const auto& round = diagnosis.rounds[r];
-        text += "\nRound " + std::to_string(r + 1) + ": " + round.reason + "; a force along " + round.place +
-                " alone could make " + formatPercent(round.place_share) + " of what the mount leaves\n";
+        text += "\nRound " + std::to_string(r + 1) + ": " + round.reason + "; " + describePlace(round) + "\n";
         Table table({"candidate", "identification", "validation", ""});
         for (std::size_t i = 0; i < round.trials.size(); ++i) {
             const auto& trial = round.trials[i];

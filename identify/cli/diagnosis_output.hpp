@@ -11,6 +11,8 @@
 namespace wems::identify::cli {
 
 nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis);
+/// At which axis alone a force could make most of what the mount leaves, if it leaves more than noise.
+std::string describePlace(const Round& round);
 std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style);
 
 }  // namespace wems::identify::cli

@@ -1,14 +1,22 @@
 #include "identify/cli/diagnosis_report.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/device_scene.hpp"
+#include "identify/cli/diagnosis_output.hpp"
+#include "identify/cli/judged_runs.hpp"
+#include "identify/cli/restoring_forces.hpp"
+#include "identify/cli/simulated_runs.hpp"
 #include "models/format_number.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
 namespace {
+
+constexpr std::size_t kMostDrawn = 3;  // runs, so that the page stays small
 
 void addErrors(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addHeading("Free simulation against the recordings");
@@ -69,8 +77,7 @@ void addRounds(const Diagnosis& diagnosis, HtmlReport& page) {
         const auto& round = diagnosis.rounds[r];
         page.addText("Round " + std::to_string(r + 1) + ": " + round.reason + ". Before: identification " +
                      formatNumber(round.identification_before, 4) + ", validation " +
-                     formatNumber(round.validation_before, 4) + ". A force of any history along " + round.place +
-                     " could make " + formatPercent(round.place_share) + " of what the mount leaves.");
+                     formatNumber(round.validation_before, 4) + "; " + describePlace(round) + ".");
         std::vector<std::vector<std::string>> rows;
         for (std::size_t i = 0; i < round.trials.size(); ++i) {
             const auto& trial = round.trials[i];
@@ -87,30 +94,46 @@ void addSpectrum(const Diagnosis& diagnosis, HtmlReport& page) {
     if (diagnosis.spectrum.frequency.empty()) return;
     Plot plot{"Misfit of the equations of motion, validation recordings",
               "frequency [Hz]",
-              "log10 of misfit per value",
+              "misfit per value",
               {},
-              false};
-    const auto add = [&](const std::string& name, const std::vector<double>& values) {
-        Series series{name, diagnosis.spectrum.frequency, {}};
-        for (const double value : values) series.y.push_back(std::log10(std::max(value, 1e-3)));
-        plot.series.push_back(std::move(series));
-    };
-    add("before", diagnosis.spectrum.before);
-    add("after", diagnosis.spectrum.after);
+              false,
+              true};
+    plot.series.push_back({"before", diagnosis.spectrum.frequency, diagnosis.spectrum.before, false, kBeforeColor});
+    plot.series.push_back({"after", diagnosis.spectrum.frequency, diagnosis.spectrum.after, false, kAfterColor});
     page.addPlot(plot);
+}
+
+/// Before and after: forces along all runs, free simulations of those that judged.
+void addCurves(const Diagnosis& diagnosis, const MountModel& model, const DiagnosedRuns& runs, HtmlReport& page) {
+    const auto named = findNamedAxis(diagnosis);
+    const auto& judges = diagnosis.validated ? runs.validation : runs.identification;
+    const auto judged = prepareJudgedRuns(judges, diagnosis, kMostDrawn);
+    auto all = judged;
+    if (diagnosis.validated) {
+        auto fitted = prepareJudgedRuns(runs.identification, diagnosis, kMostDrawn);
+        std::move(fitted.begin(), fitted.end(), std::back_inserter(all));
+    }
+    if (judged.size() < judges.size())
+        page.addText("Of " + std::to_string(judges.size()) + " runs that judged, the first " +
+                     std::to_string(judged.size()) + " are drawn.");
+    addRestoringForces(page, all, model, diagnosis.extended, named);
+    const GroupError& noise = diagnosis.noise_floor;
+    addSimulatedRuns(page, judged, model, diagnosis.extended,
+                     diagnosis.validated ? noise.validation : noise.identification, named);
 }
 
 }  // namespace
 
-void writeDiagnosisReport(const Diagnosis& diagnosis, const std::string& title, const MotionScene& motion,
-                          const std::string& file) {
+void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, const DiagnosedRuns& runs,
+                          const std::string& title, const std::string& file) {
     HtmlReport page("Diagnosis of " + title);
     page.addText("Verdict: " + formatVerdict(diagnosis.verdict));
     if (!diagnosis.unexplained_where.empty())
         page.addText("What is left sits at: " + joinWords(diagnosis.unexplained_where, " "));
     addErrors(diagnosis, page);
-    addMotion(page, motion);
+    addMotion(page, makeDeviceScene(runs.identification, diagnosis.extended));
     addCauses(diagnosis, page);
+    addCurves(diagnosis, model, runs, page);
     addSpectrum(diagnosis, page);
     addRounds(diagnosis, page);
     page.addHeading("How the motion was obtained");

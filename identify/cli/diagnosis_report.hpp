@@ -3,16 +3,23 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "identify/diagnose/diagnosis.hpp"
-#include "models/report/motion_scene.hpp"
+#include "models/recording/recording.hpp"
 
 namespace wems::identify::cli {
 
-/// Verdict, errors, the runs in motion, causes with their ties, every round with its candidates and why one was taken
-/// or none, the places where the residual can sit, and its spectrum before and after.
+struct DiagnosedRuns {
+    const std::vector<Recording>& identification;
+    const std::vector<Recording>& validation;  ///< may be empty
+};
+
+/// Verdict, errors, the runs in motion, causes with their ties, restoring forces and free simulations before and after,
+/// every round with its candidates and why one was taken or none, and the spectrum of the residual.
+/// @param model as given
 /// @throws InputError if the file cannot be written
-void writeDiagnosisReport(const Diagnosis& diagnosis, const std::string& title, const MotionScene& motion,
-                          const std::string& file);
+void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, const DiagnosedRuns& runs,
+                          const std::string& title, const std::string& file);
 
 }  // namespace wems::identify::cli

@@ -23,6 +23,8 @@
 namespace wems::identify::cli {
 namespace {
 
+constexpr double kReadingShare = 0.09, kMotionShare = 0.23;  // of the time when these steps are done, as measured
+
 struct FitCommandOptions {
     CommonOptions common;
     FitOptions fit;
@@ -127,12 +129,12 @@ void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const
     page.write(file);
 }
 
-DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& model, std::vector<Recording>& recordings) {
+DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& model, std::vector<Recording>& recordings,
+                        Progress& progress) {
     DeviceRuns result;
     for (Recording& recording : recordings) keepOnly(options.use, recording);
     result.runs.resize(recordings.size());
-    Progress progress(!options.common.quiet);
-    progress.step("motion of both parts");
+    progress.step("motion of both parts", kReadingShare, kMotionShare);
     runParallel(recordings.size(), [&](std::size_t r) { result.runs[r] = estimateMotion(recordings[r], model); });
     for (std::size_t r = 0; r < recordings.size(); ++r) {
         for (const auto& warning : recordings[r].warnings) result.notes.push_back(recordings[r].file + ": " + warning);
@@ -143,12 +145,11 @@ DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& mode
 
 /// @param recordings of the runs; none where the runs are blocks of long ones
 void fitDevice(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings,
-               DeviceRuns device, Timing timing) {
+               DeviceRuns device, Timing timing, std::unique_ptr<Progress> progress) {
     Stopwatch watch(timing);
     const std::vector<RunMotion>& runs = device.runs;
     std::vector<std::string>& notes = device.notes;
-    std::optional<Progress> progress(std::in_place, !options.common.quiet);
-    progress->step("equations of motion, parameters and intervals");
+    progress->step("equations of motion, parameters and intervals", device.blocks ? 0 : kMotionShare);
     const FitResult fit = fitMount(runs, model, options.fit);
     notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
     watch.restart();  // the fit has steps of its own
@@ -157,6 +158,10 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, const 
     const auto validation =
         validateModel(fit.model, readDeviceRecordings(options.runs.validation, options.common.column_map, fit.model));
     watch.lap("validation");
+    if (!options.common.report_file.empty()) {
+        progress->step("report");
+        writeReport(fit, runs, recordings, notes, options.common.report_file);
+    }
     progress.reset();
     if (!options.output.empty()) writeMountModel(fit.model, options.output);
     if (options.common.printsText()) {
@@ -177,7 +182,6 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, const 
     for (const ValidationError& run : validation)
         result["validation"].push_back({{"run", run.file}, {"error", run.error}});
     writeJson(result, options.common);
-    if (!options.common.report_file.empty()) writeReport(fit, runs, recordings, notes, options.common.report_file);
 }
 
 void fitElement(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings) {
@@ -213,36 +217,36 @@ void runFit(FitCommandOptions options, const CLI::App& command) {
     options.campaign = resolveRuns(options.runs, options.common);
     const MountModel model = readDeviceModel(options.runs.model, options.common.geometry);
     const std::optional<ColumnMap> map = readDeviceMap(options.common.column_map, model);
+    auto progress = std::make_unique<Progress>(!options.common.quiet);
     const auto size = estimateSize(options.runs.recordings, map ? &*map : nullptr);
     if (size && !size->component && !asksForElement(command) &&
         exceedsMemory(*size, model, options.fit, options.memory)) {
-        std::optional<Progress> progress(std::in_place, !options.common.quiet);
         DeviceRuns device = chooseBlocks(options.runs.recordings, map ? &*map : nullptr, model, options.fit,
                                          options.use, *size, options.memory, *progress);
-        progress.reset();
         watch.lap("reading and choice of blocks");
-        fitDevice(options, model, {}, std::move(device), std::move(timing));
+        fitDevice(options, model, {}, std::move(device), std::move(timing), std::move(progress));
         return;
     }
     std::vector<Recording> recordings;
-    std::optional<Progress> progress(std::in_place, !options.common.quiet);
     for (const auto& file : options.runs.recordings) {
-        progress->step("reading " + file);
+        const auto files = static_cast<double>(options.runs.recordings.size());
+        const auto read = static_cast<double>(recordings.size());
+        progress->step("reading " + file, kReadingShare * read / files, kReadingShare * (read + 1) / files);
         recordings.push_back(readRecording(file, map ? &*map : nullptr));
         if (isComponentTest(recordings.back()) != isComponentTest(recordings.front()))
             throw InputError({file, 0, ""}, "a component test and a recording of a whole device",
                              "recordings of one kind in one fit");
     }
     watch.lap("reading");
-    progress.reset();
     if (!isComponentTest(recordings.front()) && !asksForElement(command)) {
         for (Recording& recording : recordings) checkConnections(recording, model);
         watch.lap("checks");
-        DeviceRuns device = estimateRuns(options, model, recordings);
+        DeviceRuns device = estimateRuns(options, model, recordings, *progress);
         watch.lap("kinematics");
-        fitDevice(options, model, recordings, std::move(device), std::move(timing));
+        fitDevice(options, model, recordings, std::move(device), std::move(timing), std::move(progress));
         return;
     }
+    progress.reset();
     ComponentOptions& component = options.component;
     if (!options.axis.empty()) component.axis = static_cast<int>(std::string("xyz").find(options.axis));
     if (command.count("--mass") > 0) component.mass = options.mass;
@@ -258,7 +262,7 @@ void addFitCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("fit", "Stiffness, clearance, stops and damping, each with its 95 % interval");
     const auto options = std::make_shared<FitCommandOptions>();
     command->add_option("recordings", options->runs.recordings,
-                        "recordings of one device or element (CSV, MATLAB, UFF 58, OpenSim)");
+                        std::string("recordings of one device or element (") + kReadableFormats + ")");
     command->add_option("--test", options->runs.test,
                         "TOML that lists the runs of a test; those of role validate judge the fitted model");
     command->add_option("--model", options->runs.model, "mount model to start from (TOML)");

@@ -115,7 +115,7 @@ Inspection inspectOne(const InspectOptions& options, const std::string& file, co
         return inspectStream(file, map, model, recording, progress);
     progress.step("reading " + file);
     recording = readRecording(file, map);
-    progress.step("looking at " + file);
+    progress.step("looking at " + file, 0.25);
     return inspect(recording, model);
 }
 
@@ -144,7 +144,8 @@ void runInspect(const InspectOptions& options, int& exit_status) {
 void addInspectCommand(CLI::App& app, int& exit_status) {
     auto* command = app.add_subcommand("inspect", "Show what is in recordings and what is suspicious about them");
     auto options = std::make_shared<InspectOptions>();
-    command->add_option("recordings", options->recordings, "recordings (CSV, MATLAB, UFF 58, OpenSim)")->required();
+    command->add_option("recordings", options->recordings, std::string("recordings (") + kReadableFormats + ")")
+        ->required();
     command->add_option("--model", options->model, "mount model: also finds missing and exchanged connections");
     command->add_flag("--strict", options->strict, "exit status 1 if anything is suspicious");
     addCommonOptions(*command, options->common);

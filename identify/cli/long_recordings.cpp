@@ -26,15 +26,16 @@ double calcBlockMemory(const RecordingSize& size, const MountModel& model, const
 
 void addMemoryOption(CLI::App& command, MemoryOption& option) {
     command
-        .add_option("--memory", option.megabytes,
-                    "MB that CSV recordings may take; longer ones are worked through in blocks (default 2000)")
+        .add_option(
+            "--memory", option.megabytes,
+            "MB that recordings may take; longer ones but MATLAB files are worked through in blocks (default 2000)")
         ->check(CLI::PositiveNumber);
 }
 
 std::optional<RecordingSize> estimateSize(const std::vector<std::string>& files, const ColumnMap* map) {
     RecordingSize size;
     for (const std::string& file : files) {
-        if (!isPlainCsv(file)) return std::nullopt;
+        if (!isStreamable(file)) return std::nullopt;
         const RecordingStream stream(file, map, block_rows);
         const Recording& header = stream.header();
         size.samples += stream.expectedSamples();

@@ -23,7 +23,8 @@ struct MemoryOption {
 };
 void addMemoryOption(CLI::App& command, MemoryOption& option);
 
-/// Samples and channels of CSV files, from their headers and first rows; nothing unless all of them are CSV files.
+/// Samples and channels of recordings, from their headers and first rows; nothing unless all of them can be read in
+/// blocks (isStreamable).
 struct RecordingSize {
     double samples = 0;  ///< of all together
     double channels = 0;

@@ -3,10 +3,12 @@
 
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
 #include "models/error.hpp"
+#include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_writer.hpp"
 
@@ -24,16 +26,24 @@ void runMerge(const MergeCommandOptions& options) {
     if (!options.maps.empty() && options.maps.size() != 1 && options.maps.size() != options.inputs.size())
         throw InputError({"", 0, "--columns"}, "there are " + std::to_string(options.maps.size()) + " column maps",
                          "one for all recordings, or one for each");
+    constexpr double share_of_reading = 0.35, share_of_writing = 0.3;
+    std::optional<Progress> progress(std::in_place, !options.quiet);
     std::vector<Recording> recordings;
     for (std::size_t i = 0; i < options.inputs.size(); ++i) {
         const std::string file = options.maps.empty() ? "" : options.maps[options.maps.size() == 1 ? 0 : i];
         const std::optional<ColumnMap> map = readOptionalMap(file);
+        progress->step("reading " + options.inputs[i],
+                       share_of_reading * static_cast<double>(i) / static_cast<double>(options.inputs.size()));
         recordings.push_back(readRecording(options.inputs[i], map ? &*map : nullptr));
     }
+    progress->step("putting them together", share_of_reading);
     const Recording merged = merge(recordings, options.merge);
+    progress->step("writing " + options.output, 1 - share_of_writing);
+    const auto notes = writeRecording(merged, options.output);
+    progress.reset();
     for (const Recording& recording : recordings)
         for (const auto& warning : recording.warnings) std::cerr << recording.file << ": " << warning << "\n";
-    for (const auto& note : writeRecording(merged, options.output)) std::cerr << "identify: " << note << "\n";
+    for (const auto& note : notes) std::cerr << "identify: " << note << "\n";
     if (options.quiet) return;
     for (const auto& note : merged.warnings) std::cout << note << "\n";
     std::cout << options.output << ": " << merged.channels.size() << " channels, " << merged.sampleCount()

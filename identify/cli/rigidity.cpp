@@ -11,6 +11,7 @@
 #include "identify/cli/rigidity_report.hpp"
 #include "models/mount_model.hpp"
 #include "models/progress.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
@@ -97,19 +98,22 @@ void runRigidity(const RigidityOptions& options, bool limited, int& exit_status)
     std::optional<Progress> progress(std::in_place, !options.common.quiet);
     progress->step("reading " + options.recording);
     const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
-    progress->step("checks");
+    const bool report = !options.common.report_file.empty();
+    progress->step("checks", report ? 0.25 : 0.45, report ? 0.6 : 1.0);  // as a sweep of 50 000 samples takes
     const Rigidity rigidity = checkRigidity(recording, model);
-    progress.reset();
     const Table table = makeTable(rigidity);
     const std::vector<std::string> sentences = makeSentences(rigidity, recording);
+    if (report) {
+        progress->step("report", 0.6);
+        writeRigidityReport(rigidity, table, sentences, recording, model, options.common.report_file);
+    }
+    progress.reset();
     if (options.common.printsText()) {
         std::cout << table.format(outputStyle());
         for (const std::string& line : sentences)
             std::cout << (line.rfind("Suspect", 0) == 0 ? paint(line, Colour::yellow, outputStyle()) : line) << "\n";
     }
     writeJson(makeJson(rigidity, recording), options.common);
-    if (!options.common.report_file.empty())
-        writeRigidityReport(rigidity, table, sentences, recording, model, options.common.report_file);
     if (!limited) return;
     for (const RigidityCheck& check : rigidity.checks) {
         if (check.max_percent > options.limit) exit_status = 1;
@@ -121,7 +125,8 @@ void runRigidity(const RigidityOptions& options, bool limited, int& exit_status)
 void addRigidityCommand(CLI::App& app, int& exit_status) {
     CLI::App* command = app.add_subcommand("rigidity", "check that each part of a recording moves as a rigid body");
     const auto options = std::make_shared<RigidityOptions>();
-    command->add_option("recording", options->recording, "recording (CSV, MATLAB, UFF 58, OpenSim)")->required();
+    command->add_option("recording", options->recording, std::string("recording (") + kReadableFormats + ")")
+        ->required();
     command->add_option("--model", options->model, "mount model (TOML)")->required();
     CLI::Option* limit =
         command->add_option("--limit", options->limit, "exit status 1 if a check exceeds this, in percent");

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
 #include "models/error.hpp"
+#include "models/progress.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
@@ -109,8 +111,12 @@ void runSingleAxis(SingleAxisCommandOptions options) {
             throw InputError({{}, 0, "--window"}, "does not ascend", "lowest and highest swept frequency, Hz");
     }
     const MountModel model = readMountModel(options.model);
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
+    progress->step("reading " + options.recording);
     const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
+    progress->step("regression", 0.6);
     SingleAxisResult result = identifySingleAxis(recording, model, method);
+    progress.reset();
     result.notes.insert(result.notes.begin(), recording.warnings.begin(), recording.warnings.end());
     if (!options.output.empty()) writeMountModel(result.model, options.output);
     if (options.common.printsText()) {

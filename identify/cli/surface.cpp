@@ -11,6 +11,7 @@
 #include "identify/component/surface_grid.hpp"
 #include "identify/component/surface_kind.hpp"
 #include "models/error.hpp"
+#include "models/progress.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording_reader.hpp"
 
@@ -132,6 +133,8 @@ nlohmann::json reportFriction(const ComponentData& data, const std::vector<Compo
 void runSurface(const SurfaceOptions& options, const CLI::App& command) {
     std::optional<ColumnMap> map;
     if (!options.common.column_map.empty()) map = readColumnMap(options.common.column_map);
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
+    progress->step("reading " + options.recording);
     const Recording recording = readRecording(options.recording, map ? &*map : nullptr);
     ComponentOptions component;
     component.connection = options.connection;
@@ -141,11 +144,13 @@ void runSurface(const SurfaceOptions& options, const CLI::App& command) {
     if (command.count("--to") > 0) component.to = options.to;
     component.time_known = !map || map->has_time || map->sample_interval != 1;
     component.unit_mass_allowed = !isComponentTest(recording);
+    progress->step("surface and laws", 0.1);
     const ComponentData data = extractComponent(recording, component);
     const SurfaceKind kind = characteriseSurface(data, options.low_force);
     std::vector<ComponentData> others;
     for (const auto& file : options.validation)
         others.push_back(extractComponent(readRecording(file, map ? &*map : nullptr), component));
+    progress.reset();
     const bool print = options.common.printsText();
     if (print) {
         for (const auto& warning : recording.warnings) std::cout << "warning: " << warning << "\n";
@@ -163,7 +168,8 @@ void addSurfaceCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("surface", "Restoring force surface of a single connection");
     auto options = std::make_shared<SurfaceOptions>();
     addCommonOptions(*command, options->common);
-    command->add_option("recording", options->recording, "recording of the test (CSV, MATLAB, UFF 58, OpenSim)")
+    command
+        ->add_option("recording", options->recording, std::string("recording of the test (") + kReadableFormats + ")")
         ->required();
     command->add_option("--connection", options->connection, "connection; absent: the first one recorded");
     command->add_option("--axis", options->axis, "x, y or z; absent: the first one recorded")

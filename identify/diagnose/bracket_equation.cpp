@@ -14,6 +14,14 @@ namespace {
 
 constexpr double kPadding = 10.0;  // s for the response to die out
 
+/// modes x 12.
+Eigen::MatrixXd calcParticipations(const MountModel& model) {
+    Eigen::MatrixXd rows(static_cast<Eigen::Index>(model.bracket.size()), 12);
+    for (Eigen::Index j = 0; j < rows.rows(); ++j)
+        rows.row(j) = calcParticipation(model.bracket[static_cast<std::size_t>(j)]).transpose();
+    return rows;
+}
+
 }  // namespace
 
 std::complex<double> calcModalResponse(const BracketMode& mode, double w) {
@@ -27,6 +35,12 @@ Eigen::Matrix<double, 6, 1> calcShape(const BracketMode& mode) {
     Eigen::Matrix<double, 6, 1> shape;
     shape << mode.translation, mode.rotation;
     return shape;
+}
+
+Eigen::Matrix<double, 12, 1> calcParticipation(const BracketMode& mode) {
+    Eigen::Matrix<double, 12, 1> participation;
+    participation << mode.translation, mode.rotation, mode.load_translation, mode.base_participation;
+    return participation;
 }
 
 BracketEquation::BracketEquation(const OpenLoopRun& run)
@@ -52,46 +66,47 @@ Eigen::MatrixXd BracketEquation::calcResponse(const MountModel& model,
     return fourier_.inverse(motion, run_->sampleCount());
 }
 
-Eigen::MatrixXd BracketEquation::calcModalForces(const MountModel& model,
-                                                 const Eigen::Ref<const Eigen::MatrixXd>& demand) const {
-    const auto modes = static_cast<Eigen::Index>(model.bracket.size());
-    Eigen::MatrixXd shapes(modes, 6);
-    for (Eigen::Index j = 0; j < modes; ++j) {
-        const auto& mode = model.bracket[static_cast<std::size_t>(j)];
-        shapes.row(j) << mode.translation.transpose(), mode.rotation.transpose();
-    }
+Eigen::MatrixXd BracketEquation::calcWrench(const Eigen::Ref<const Eigen::MatrixXd>& demand) const {
     Eigen::MatrixXd on_fixed = -demand;
     for (int k = 0; k < run_->sampleCount(); ++k) {
         const Eigen::Vector3d arm = run_->mobile.p.col(k) - run_->fixed.p.col(k);
         on_fixed.block<3, 1>(3, k) += arm.cross(on_fixed.block<3, 1>(0, k).eval());
     }
-    return shapes * on_fixed;
+    return on_fixed;
 }
 
-Eigen::MatrixXd BracketEquation::calcLoadForces(const MountModel& model) const {
-    const auto modes = static_cast<Eigen::Index>(model.bracket.size());
-    Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(modes, run_->sampleCount());
-    Eigen::Matrix3Xd load = run_->load;
+Eigen::MatrixXd BracketEquation::calcModalForces(const MountModel& model,
+                                                 const Eigen::Ref<const Eigen::MatrixXd>& demand) const {
+    return calcParticipations(model).leftCols(6) * calcWrench(demand);
+}
+
+Eigen::MatrixXd BracketEquation::calcInputs(const MountModel& model) const {
+    Eigen::MatrixXd inputs = Eigen::MatrixXd::Zero(12, run_->sampleCount());
+    inputs.topRows(6) = calcWrench(calcDemand(*run_, model.body, model.gravity));
+    if (run_->load.cols() > 0) inputs.middleRows(6, 3) = run_->load;
     if (model.load)
-        for (Eigen::Index k = 0; k < load.cols(); ++k)
-            load.col(k) *= calcLoadGain(
+        for (Eigen::Index k = 0; k < run_->load.cols(); ++k)
+            inputs.block<3, 1>(6, k) *= calcLoadGain(
                 *model.load, k < run_->swept.size() ? run_->swept[k] : std::numeric_limits<double>::quiet_NaN());
-    for (Eigen::Index j = 0; j < modes; ++j) {
-        const auto& mode = model.bracket[static_cast<std::size_t>(j)];
-        if (load.cols() > 0) forces.row(j) += mode.load_translation.transpose() * load;
-        if (run_->base.cols() > 0) forces.row(j) -= mode.base_participation.transpose() * run_->base;
-    }
-    return forces;
+    if (run_->base.cols() > 0) inputs.bottomRows(3) = -run_->base;
+    return inputs;
 }
 
 Eigen::MatrixXd BracketEquation::calcPrediction(const MountModel& model) const {
-    const Eigen::MatrixXd demand = calcDemand(*run_, model.body, model.gravity);
-    return calcResponse(model, calcModalForces(model, demand) + calcLoadForces(model));
+    return calcResponse(model, calcParticipations(model) * calcInputs(model));
 }
 
-Eigen::MatrixXcd BracketEquation::calcForceSpectra(const MountModel& model) const {
-    const Eigen::MatrixXd demand = calcDemand(*run_, model.body, model.gravity);
-    return fourier_.forward(calcModalForces(model, demand) + calcLoadForces(model));
+Eigen::MatrixXcd BracketEquation::calcInputSpectra(const MountModel& model) const {
+    return fourier_.forward(calcInputs(model));
+}
+
+Eigen::VectorXd BracketEquation::calcModeCoordinate(const BracketMode& mode,
+                                                    const Eigen::Ref<const Eigen::VectorXcd>& force_spectrum) const {
+    const double step = kTwoPi / (fourier_.size() * run_->interval);
+    Eigen::MatrixXcd coordinate(1, force_spectrum.size());
+    for (Eigen::Index k = 0; k < force_spectrum.size(); ++k)
+        coordinate(0, k) = calcModalResponse(mode, step * static_cast<double>(k)) * force_spectrum[k];
+    return fourier_.inverse(coordinate, run_->sampleCount()).transpose();
 }
 
 Eigen::VectorXd BracketEquation::calcModeDifference(const BracketMode& from, const BracketMode& to,

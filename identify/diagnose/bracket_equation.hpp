@@ -30,11 +30,15 @@ public:
     Eigen::MatrixXd calcResponse(const MountModel& model, const Eigen::Ref<const Eigen::MatrixXd>& modal_forces) const;
     /// Modal forces of a demanded wrench of the mobile part (6 x samples, about M's origin).
     Eigen::MatrixXd calcModalForces(const MountModel& model, const Eigen::Ref<const Eigen::MatrixXd>& demand) const;
-    /// Modal forces of the load (with the model's correction) and the base acceleration.
-    Eigen::MatrixXd calcLoadForces(const MountModel& model) const;
+    /// What drives the modes: the wrench on the fixed part at F's origin (force above moment), the load with the
+    /// model's correction, and the base acceleration with the opposite sign; 12 x samples.
+    Eigen::MatrixXd calcInputs(const MountModel& model) const;
 
-    /// Spectra of all modal forces of a model: modes x bins.
-    Eigen::MatrixXcd calcForceSpectra(const MountModel& model) const;
+    /// Spectra of the inputs of a model: 12 x bins.
+    Eigen::MatrixXcd calcInputSpectra(const MountModel& model) const;
+    /// A mode's coordinate under a modal force of this spectrum.
+    Eigen::VectorXd calcModeCoordinate(const BracketMode& mode,
+                                       const Eigen::Ref<const Eigen::VectorXcd>& force_spectrum) const;
     /// Change of a mode's coordinate where its frequency or damping ratio change.
     /// @param force_spectrum of its modal force
     Eigen::VectorXd calcModeDifference(const BracketMode& from, const BracketMode& to,
@@ -46,9 +50,14 @@ public:
     Eigen::MatrixXd calcResidual(const MountModel& model) const;
 
 private:
+    Eigen::MatrixXd calcWrench(const Eigen::Ref<const Eigen::MatrixXd>& demand) const;
+
     const OpenLoopRun* run_;
     Fourier fourier_;
 };
+
+/// What a mode's force is of the inputs: shape at the interface, at the load point, participation of the base.
+Eigen::Matrix<double, 12, 1> calcParticipation(const BracketMode& mode);
 
 /// Translation above rotation.
 Eigen::Matrix<double, 6, 1> calcShape(const BracketMode& mode);

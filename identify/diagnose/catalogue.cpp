@@ -220,14 +220,23 @@ std::string Candidate::describe() const {
     } else {
         text += " " + where.front() + " … " + where.back();
     }
-    if (cause == "bracket_mode")
+    if (new_mode) {
+        text += " " + std::to_string(new_mode->row) + " (new)";
+    } else if (cause == "bracket_mode") {
         for (const auto& knob : knobs) text += " " + knob.names.front();
+    }
     if (knobs.empty()) text += " (removed)";
     return text;
 }
 
 void Candidate::apply(MountModel& model, const std::vector<double>& values) const {
     for (const auto& entry : fixed) setParameter(model, entry.first, entry.second);
+    while (new_mode && static_cast<int>(model.bracket.size()) < new_mode->row) {
+        BracketMode mode;
+        mode.frequency = new_mode->mode.frequency;
+        if (static_cast<int>(model.bracket.size()) + 1 == new_mode->row) mode = new_mode->mode;
+        model.bracket.push_back(mode);
+    }
     for (std::size_t i = 0; i < knobs.size(); ++i) knobs[i].set(model, values[i]);
 }
 

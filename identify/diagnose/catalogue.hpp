@@ -2,6 +2,7 @@
 /// The causes that a diagnosis considers, each at every place where it may act in a given model.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,7 +22,14 @@ struct Candidate {
     /// Trial values of the knobs, one row for each start. The screening tells how far along the way from the present
     /// value to the trial value the data want to go, for all knobs up to `linear`; the others keep the trial value.
     std::vector<std::vector<double>> starts;
-    std::size_t linear = 1;
+    std::size_t linear = 1;  ///< 0: the trial values are taken as they are
+    /// A row that the modes file lacks: where the model has fewer rows, apply() appends it (with rows that nothing
+    /// drives before it, should any be missing there), before the knobs are set.
+    struct NewMode {
+        int row;  ///< from 1
+        BracketMode mode;
+    };
+    std::optional<NewMode> new_mode = std::nullopt;
 
     /// Names of all parameters in the result.
     std::vector<std::string> parameterNames() const;

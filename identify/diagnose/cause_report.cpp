@@ -108,25 +108,22 @@ std::string findSeparatingRun(const Candidate& named, const Candidate& rival) {
     return "a sweep at another level and along another axis";
 }
 
-std::vector<Cause> makeCauseReports(const Selection& selection, const std::vector<double>& errors_without,
-                                    double error_after, bool unexplained) {
+std::vector<Cause> makeCauseReports(const Selection& selection, const std::vector<Judgement>& without,
+                                    const Judgement& after, bool unexplained) {
     std::vector<Cause> causes;
-    const double after = std::max(selection.validation_after - 1, 0.05);
-    const double scale = std::sqrt(std::max(1.0, selection.identification_after));
-    const double quantile = studentQuantile95(1e6) * scale;
-    Eigen::Index first = 0;
+    const double left = std::max(after.misfit - 1, 0.05);
+    const double quantile = studentQuantile95(1e6);
+    auto error = selection.standard_errors.begin();
     for (std::size_t i = 0; i < selection.accepted.size(); ++i) {
         const auto& candidate = selection.accepted[i];
         std::vector<double> half_widths;
-        for (std::size_t k = 0; k < candidate.knobs.size(); ++k, ++first)
-            half_widths.push_back(quantile * selection.discrepancy[static_cast<std::size_t>(first)] *
-                                  std::sqrt(std::max(0.0, selection.fit.covariance(first, first))));
+        for (std::size_t k = 0; k < candidate.knobs.size(); ++k) half_widths.push_back(quantile * *error++);
         Cause cause;
         cause.cause = candidate.cause;
         cause.where = candidate.where;
         cause.parameters = makeParameters(candidate, selection.fit.model, half_widths);
-        cause.gain_db = toDecibel(errors_without[i] / error_after);
-        const double ratio = (selection.without[i] - 1) / after;
+        cause.gain_db = toDecibel(without[i].error / after.error);
+        const double ratio = (without[i].misfit - 1) / left;
         cause.probability = unexplained && ratio < kConvincing ? kDoubtful : std::min(kCertain, 1 - 0.5 / (1 + ratio));
         for (const auto& rival : selection.rivals[i]) {
             MountModel model = selection.models_without[i];

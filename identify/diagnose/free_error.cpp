@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/diagnose/aliasing.hpp"
 #include "identify/diagnose/fourier.hpp"
+#include "identify/diagnose/whitening.hpp"
 #include "identify/forward/forward_model.hpp"
 #include "models/axis_names.hpp"
 #include "models/bryant.hpp"
@@ -33,25 +35,41 @@ Eigen::MatrixXd highPass(const Eigen::MatrixXd& rows, double frequency, double i
     return fourier.inverse(spectra, static_cast<int>(rows.cols()));
 }
 
-bool onlyAccelerations(const RunMotion& run) {
-    return !run.mobile.displacement_measured;
+/// Where a comparison begins: 0 but for accelerations alone.
+double lowestCompared(const RunMotion& run) {
+    return run.mobile.displacement_measured ? 0.0 : run.trusted_from;
 }
 
-/// Of one relative displacement. White acceleration noise integrated twice above a frequency f leaves
-/// 2 h σ² / (3 (2π)⁴ f³), of which the rigid fit of `connections` triads lets 2 / connections through.
-double noiseVariance(const RunMotion& run, std::size_t connections) {
+}  // namespace
+
+// White acceleration noise integrated twice above a frequency f leaves
+// 2 h σ² / (3 (2π)⁴ f³), of which the rigid fit of n triads lets 2 / n through, and all of what contact folds.
+double calcNoiseVariance(const RunMotion& run, const MountModel& model) {
+    const auto connections = model.connections.size();
+    const double twice_integrated = 2 * run.interval / (3 * std::pow(kTwoPi, 4) * std::pow(run.trusted_from, 3));
     const auto square = [&](const PartMotion& part) {
         const bool integrated = !part.displacement_measured && part.acceleration_measured;
         const double noise = integrated ? part.acceleration_noise : part.displacement_noise;
         if (!std::isfinite(noise)) return 0.0;
         if (!integrated) return noise * noise;
-        const double share = std::min(1.0, 2.0 / static_cast<double>(connections));
-        return share * 2 * run.interval * noise * noise / (3 * std::pow(kTwoPi, 4) * std::pow(run.trusted_from, 3));
+        return std::min(1.0, 2.0 / static_cast<double>(connections)) * noise * noise * twice_integrated;
     };
-    return square(run.mobile) + square(run.fixed);
+    double folded = 0;
+    const auto aliasing = calcAliasing(run);
+    if (!aliasing.isZero(0.0))
+        for (std::size_t i = 0; i < connections; ++i)
+            for (int a = 0; a < 3; ++a) {
+                const auto d = calcAxisDirection(model, static_cast<int>(i), a);
+                Eigen::Matrix<double, 12, 1> relative;
+                relative << d, -d;
+                folded += relative.dot(aliasing * relative) / static_cast<double>(3 * connections) * twice_integrated;
+            }
+    return square(run.mobile) + square(run.fixed) + folded;
 }
 
-}  // namespace
+Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model) {
+    return highPass(simulate(*run.motion, model) - run.measured, lowestCompared(*run.motion), run.motion->interval);
+}
 
 Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion& run, const MountModel& model) {
     const auto samples = static_cast<Eigen::Index>(run.time.size());
@@ -88,13 +106,10 @@ FreeError calcFreeError(const std::vector<FreeRun>& runs, const MountModel& mode
     FreeError result;
     double difference = 0, signal = 0, noise = 0;
     for (const auto& run : runs) {
-        const double from = onlyAccelerations(*run.motion) ? run.motion->trusted_from : 0.0;
-        const Eigen::MatrixXd measured = highPass(run.measured, from, run.motion->interval);
-        signal += measured.squaredNorm();
-        noise += noiseVariance(*run.motion, model.connections.size()) * static_cast<double>(measured.size());
+        signal += highPass(run.measured, lowestCompared(*run.motion), run.motion->interval).squaredNorm();
+        noise += calcNoiseVariance(*run.motion, model) * static_cast<double>(run.measured.size());
         try {
-            const Eigen::MatrixXd simulated = highPass(simulate(*run.motion, model), from, run.motion->interval);
-            difference += (simulated - measured).squaredNorm();
+            difference += calcFreeResidual(run, model).squaredNorm();
         } catch (const SimulationDiverged&) {
             result.diverged = true;
         }

@@ -31,6 +31,10 @@ struct FreeRun {
     const RunMotion* motion;
     Eigen::MatrixXd measured;
 };
+/// Simulated minus measured, as the error compares them. @throws SimulationDiverged
+Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model);
+/// What the recording's noise gives one relative displacement, m².
+double calcNoiseVariance(const RunMotion& run, const MountModel& model);
 FreeError calcFreeError(const std::vector<FreeRun>& runs, const MountModel& model);
 
 /// How much more the response of the runs changes than a parameter: relative change of the relative displacement over

@@ -1,7 +1,9 @@
 #include "identify/diagnose/knob.hpp"
 
+#include <Eigen/Geometry>
 #include <limits>
 
+#include "models/axis_numbers.hpp"
 #include "models/parameter_access.hpp"
 #include "models/structural_damping.hpp"
 
@@ -17,8 +19,10 @@ bool endsWith(const std::string& name, const std::string& ending) {
 
 /// Parameters of either sign.
 bool isSigned(const std::string& name) {
+    if (const AxisNumber* number = findAxisNumber(name.substr(name.rfind('.') + 1)))
+        return number->range == AxisNumber::Range::any;
     for (const char* ending :
-         {".offset", ".cubic", ".drift", ".x", ".y", ".z", "Ixy", "Ixz", "Iyz", ".delay", ".rx", ".ry", ".rz"})
+         {".x", ".y", ".z", "Ixy", "Ixz", "Iyz", ".delay", ".rx", ".ry", ".rz", ".ux", ".uy", ".uz"})
         if (endsWith(name, ending)) return true;
     return false;
 }
@@ -32,6 +36,9 @@ double Knob::get(const MountModel& model) const {
 
 void Knob::set(MountModel& model, double value) const {
     for (std::size_t i = 0; i < names.size(); ++i) setParameter(model, names[i], isFactor() ? value * base[i] : value);
+    if (!load_point) return;
+    auto& mode = model.bracket[load_point->mode];
+    mode.load_translation = mode.translation + mode.rotation.cross(load_point->position);
 }
 
 double Knob::scale(const MountModel& model) const {

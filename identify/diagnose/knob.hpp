@@ -2,6 +2,8 @@
 /// One number that a fit may turn: a parameter of the model, or several that move together.
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,8 +14,15 @@ namespace wems::identify {
 /// The named parameters (models/parameter_access.hpp) all take the knob's value, or, if `base` is not empty, the
 /// knob's value times their base values (a common factor).
 struct Knob {
+    /// The load point of a bracket mode moves rigidly with the interface, whatever a knob makes of the shape there.
+    struct RigidLoadPoint {
+        std::size_t mode;          ///< from 0
+        Eigen::Vector3d position;  ///< m, from F's origin
+    };
+
     std::vector<std::string> names;
     std::vector<double> base;
+    std::optional<RigidLoadPoint> load_point = std::nullopt;
 
     bool isFactor() const { return !base.empty(); }
     double get(const MountModel& model) const;

@@ -4,6 +4,7 @@
 #include <complex>
 
 #include "identify/diagnose/mount_equation.hpp"
+#include "models/law_equality.hpp"
 
 namespace wems::identify {
 namespace {
@@ -51,7 +52,7 @@ void LawDifferences::keepOnly(const MountModel& model) {
     for (std::size_t a = 0; a < axes_.size(); ++a) {
         Axis& axis = axes_[a];
         const AxisLaw& law = lawOf(model, a);
-        if (sameLaw(axis.present, law) && axis.present_force.front().size() > 0) continue;
+        if (axis.present == law && axis.present_force.front().size() > 0) continue;
         axis.present = law;
         axis.known.clear();
         for (std::size_t r = 0; r < axis.present_force.size(); ++r)
@@ -68,14 +69,18 @@ std::shared_ptr<const LawDifferences::Change> LawDifferences::make(std::size_t a
     change->from = from;
     change->to = to;
     change->calibration = Eigen::VectorXd::Zero(problem_->calibrationColumns().cols());
+    change->slow.resize(problem_->runs().size());
     for (std::size_t r = 0; r < problem_->runs().size(); ++r) {
         const auto& run = problem_->runs()[r];
         const Eigen::VectorXd before =
-            sameLaw(from, own.present) ? own.present_force[r] : calcAxisForce(run, from, connection, a);
+            from == own.present ? own.present_force[r] : calcAxisForce(run, from, connection, a);
         const Eigen::VectorXd force = calcAxisForce(run, to, connection, a) - before;
         change->spectra.emplace_back();
         if (force.isZero(0.0)) continue;  // such as a stop that is not reached
-        change->spectra.back() = problem_->whitening(r).calcSpectrum(force);
+        const Whitening& whitening = problem_->whitening(r);
+        change->spectra.back() = whitening.calcSpectrum(force);
+        if (const auto* balance = whitening.slowBalance())
+            change->slow[r] = balance->solve(force, calcAxisDirection(problem_->reference(), connection, a));
         change->calibration += (own.calibration[r].conjugate() * change->spectra.back()).real().cast<double>();
     }
     return change;
@@ -86,9 +91,8 @@ std::shared_ptr<const LawDifferences::Change> LawDifferences::find(std::size_t a
     const auto search = [&]() -> std::shared_ptr<const Change> {
         const std::lock_guard<std::mutex> lock(mutex_);
         const auto& known = axes_[axis].known;
-        const auto found = std::find_if(known.begin(), known.end(), [&](const auto& change) {
-            return sameLaw(change->to, to) && sameLaw(change->from, from);
-        });
+        const auto found = std::find_if(known.begin(), known.end(),
+                                        [&](const auto& change) { return change->to == to && change->from == from; });
         return found == known.end() ? nullptr : *found;
     };
     if (auto known = search()) return known;
@@ -101,9 +105,10 @@ std::shared_ptr<const LawDifferences::Change> LawDifferences::find(std::size_t a
 
 WhiteVector LawDifferences::calc(const MountModel& from, const MountModel& to) const {
     WhiteVector result;
+    std::vector<Eigen::VectorXd> slow(problem_->runs().size());
     for (std::size_t a = 0; a < axes_.size(); ++a) {
         const AxisLaw &before = lawOf(from, a), &after = lawOf(to, a);
-        if (sameLaw(before, after)) continue;
+        if (before == after) continue;
         const auto change = find(a, before, after);
         for (std::size_t r = 0; r < change->spectra.size(); ++r) {
             const auto& spectrum = change->spectra[r];
@@ -114,8 +119,21 @@ WhiteVector LawDifferences::calc(const MountModel& from, const MountModel& to) c
             }
             addAlong(axes_[a].white[r], spectrum,
                      result.values.segment(problem_->offset(r), problem_->whitening(r).mountSize()));
+            if (change->slow[r].size() == 0) continue;
+            if (slow[r].size() == 0) slow[r] = Eigen::VectorXd::Zero(change->slow[r].size());
+            slow[r] += change->slow[r];
         }
         if (!result.isZero()) result.calibration += change->calibration;
+    }
+    for (std::size_t r = 0; r < slow.size(); ++r) {
+        if (slow[r].size() == 0) continue;
+        const Whitening& whitening = problem_->whitening(r);
+        Eigen::VectorXf values(whitening.mountSize());
+        whitening.applySlow(slow[r], values);
+        result.values.segment(problem_->offset(r), values.size()) -= values;
+        result.calibration -=
+            (problem_->calibrationColumns().middleRows(problem_->offset(r), values.size()).transpose() * values)
+                .cast<double>();
     }
     return result;
 }

@@ -33,6 +33,7 @@ private:
     struct Change {
         AxisLaw from, to;
         std::vector<Eigen::VectorXcf> spectra;
+        std::vector<Eigen::VectorXd> slow;  ///< the slow motion that balances it, where it was not measured
         Eigen::VectorXd calibration;
     };
     /// What does not depend on the force, for each run: W d (6 x bins) and its products with the calibration columns

@@ -77,6 +77,14 @@ double calcMountExcess(const OpenLoopProblem& problem, const WhiteVector& residu
     return calcExcess(problem, problem.removeCalibration(residual)).first / static_cast<double>(size);
 }
 
+double calcBracketExcess(const OpenLoopProblem& problem, const WhiteVector& residual) {
+    Eigen::Index size = 0;
+    for (std::size_t r = 0; r < problem.runs().size(); ++r)
+        if (problem.hasBracket(r)) size += problem.whitening(r).mountSize();
+    if (size == 0) return 0;
+    return calcExcess(problem, problem.removeCalibration(residual)).second / static_cast<double>(size);
+}
+
 std::vector<double> calcMisfitByFrequency(const OpenLoopProblem& problem, const WhiteVector& residual) {
     const Eigen::VectorXf values = problem.removeCalibration(residual);
     std::vector<double> sum, count;

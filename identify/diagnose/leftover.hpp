@@ -23,6 +23,8 @@ std::vector<PlaceShare> calcPlaceShares(const OpenLoopProblem& problem, const Mo
 
 /// What the mount's equation leaves above the noise, per value.
 double calcMountExcess(const OpenLoopProblem& problem, const WhiteVector& residual);
+/// The same of the bracket's equation; 0 where there is none.
+double calcBracketExcess(const OpenLoopProblem& problem, const WhiteVector& residual);
 
 /// Mean square of the values of both equations in bands of 1 Hz, from 0 Hz on; NaN where there are none.
 std::vector<double> calcMisfitByFrequency(const OpenLoopProblem& problem, const WhiteVector& residual);

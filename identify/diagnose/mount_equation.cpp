@@ -4,6 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "identify/diagnose/sliding_friction.hpp"
+#include "models/law_equality.hpp"
+
 namespace wems::identify {
 namespace {
 
@@ -41,7 +44,10 @@ Eigen::Vector3d axisDirection(const OpenLoopRun& run, std::size_t sample, int ax
 }  // namespace
 
 Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int connection, int axis) {
-    const AxisForce force(law);
+    const bool sliding = law.friction && !law.friction->presliding_stiffness;
+    AxisLaw smooth = law;
+    if (sliding) smooth.friction.reset();
+    const AxisForce force(smooth);
     const int row = 3 * connection + axis;
     const Eigen::VectorXd q = run.q.row(row), v = run.v.row(row);
     const int count = run.sampleCount();
@@ -71,6 +77,8 @@ Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int co
         }
         result[k] = force.calcForce(q[k], v[k], run.time[k], z.data());
     }
+    if (sliding)
+        result += law.friction->force * calcSlidingDirection(run.quiet_v.row(row), law.friction->transition_velocity);
     return result;
 }
 
@@ -112,27 +120,6 @@ Eigen::MatrixXd calcMountResidual(const OpenLoopRun& run, const MountModel& mode
     return wrench;
 }
 
-bool sameLaw(const AxisLaw& a, const AxisLaw& b) {
-    if (a.stiffness != b.stiffness || a.damping != b.damping || a.offset != b.offset || a.cubic != b.cubic ||
-        a.loss_factor != b.loss_factor || a.drift != b.drift || a.stops.size() != b.stops.size() ||
-        a.relaxation.has_value() != b.relaxation.has_value() || a.friction.has_value() != b.friction.has_value())
-        return false;
-    if (a.relaxation && (a.relaxation->stiffness_ratio != b.relaxation->stiffness_ratio ||
-                         a.relaxation->time_constant != b.relaxation->time_constant))
-        return false;
-    if (a.friction &&
-        (a.friction->force != b.friction->force || a.friction->transition_velocity != b.friction->transition_velocity ||
-         a.friction->presliding_stiffness != b.friction->presliding_stiffness))
-        return false;
-    for (std::size_t i = 0; i < a.stops.size(); ++i) {
-        const Stop &s = a.stops[i], &t = b.stops[i];
-        if (s.side != t.side || s.clearance != t.clearance || s.stiffness != t.stiffness ||
-            s.dissipation != t.dissipation)
-            return false;
-    }
-    return true;
-}
-
 bool sameBody(const MobileBody& a, const MobileBody& b) {
     return a.mass == b.mass && a.center_of_gravity == b.center_of_gravity && a.inertia == b.inertia && a.spin == b.spin;
 }
@@ -146,7 +133,7 @@ Eigen::MatrixXd calcMountDifference(const OpenLoopRun& run, const MountModel& fr
             const auto c = static_cast<int>(i);
             const auto &before = from.connections[i].axis[static_cast<std::size_t>(a)],
                        &after = to.connections[i].axis[static_cast<std::size_t>(a)];
-            if (sameLaw(before, after)) continue;
+            if (before == after) continue;
             const Eigen::VectorXd force = calcAxisForce(run, after, c, a) - calcAxisForce(run, before, c, a);
             if (force.isZero(0.0)) continue;  // such as a stop that is not reached
             if (wrench.size() == 0) wrench = Eigen::MatrixXd::Zero(6, run.sampleCount());

@@ -31,7 +31,6 @@ Eigen::MatrixXd calcDemand(const OpenLoopRun& run, const MobileBody& body, const
 /// Demand plus all axes.
 Eigen::MatrixXd calcMountResidual(const OpenLoopRun& run, const MountModel& model);
 
-bool sameLaw(const AxisLaw& a, const AxisLaw& b);
 bool sameBody(const MobileBody& a, const MobileBody& b);
 
 /// Residual of `to` minus residual of `from`, computing what differs only. Empty if nothing does.

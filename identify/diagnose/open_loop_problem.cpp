@@ -7,6 +7,8 @@
 
 #include "identify/diagnose/calibration.hpp"
 #include "identify/diagnose/mount_equation.hpp"
+#include "identify/diagnose/slow_balance.hpp"
+#include "identify/motion/parallel.hpp"
 
 namespace wems::identify {
 namespace {
@@ -14,20 +16,18 @@ namespace {
 constexpr int kVarianceSteps = 100;
 constexpr double kVarianceAccuracy = 1e-6;
 
-bool sameShapes(const std::vector<BracketMode>& a, const std::vector<BracketMode>& b) {
-    if (a.size() != b.size()) return false;
-    for (std::size_t j = 0; j < a.size(); ++j)
-        if (a[j].translation != b[j].translation || a[j].rotation != b[j].rotation ||
-            a[j].load_translation != b[j].load_translation)
-            return false;
-    return true;
+bool sameShape(const BracketMode& a, const BracketMode& b) {
+    return calcParticipation(a) == calcParticipation(b);
+}
+
+bool sameResonance(const BracketMode& a, const BracketMode& b) {
+    return a.frequency == b.frequency && a.damping_ratio == b.damping_ratio;
 }
 
 bool sameModes(const std::vector<BracketMode>& a, const std::vector<BracketMode>& b) {
-    if (!sameShapes(a, b)) return false;
-    for (std::size_t j = 0; j < a.size(); ++j)
-        if (a[j].frequency != b[j].frequency || a[j].damping_ratio != b[j].damping_ratio) return false;
-    return true;
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const BracketMode& one, const BracketMode& other) {
+        return sameShape(one, other) && sameResonance(one, other);
+    });
 }
 
 /// Gain − 1, delay and rotation that all channels of a side share.
@@ -62,8 +62,14 @@ OpenLoopProblem::OpenLoopProblem(std::vector<OpenLoopRun> runs, const MountModel
     rewhiten(model);
 }
 
+bool OpenLoopProblem::hasSlowBalance() const {
+    return std::any_of(whitenings_.begin(), whitenings_.end(),
+                       [](const auto& whitening) { return whitening->slowBalance() != nullptr; });
+}
+
 void OpenLoopProblem::rewhiten(const MountModel& model) {
     whitenings_.resize(runs_.size());
+    runParallel(runs_.size(), [&](std::size_t r) { followSlowMotion(runs_[r], model); });
     // Plans of transforms may not be made by two threads at once.
     for (std::size_t r = 0; r < runs_.size(); ++r)
         whitenings_[r] = std::make_unique<Whitening>(runs_[r], model, brackets_[r] != nullptr);
@@ -134,9 +140,9 @@ Eigen::VectorXf OpenLoopProblem::calcValues(const MountModel& model) const {
 void OpenLoopProblem::setReference(const MountModel& model) {
     reference_ = model;
     reference_residual_ = makeVector(calcValues(model));
-    reference_forces_.assign(runs_.size(), {});
+    reference_inputs_.assign(runs_.size(), {});
     for (std::size_t r = 0; r < runs_.size(); ++r)
-        if (brackets_[r]) reference_forces_[r] = brackets_[r]->calcForceSpectra(model);
+        if (brackets_[r]) reference_inputs_[r] = brackets_[r]->calcInputSpectra(model);
 }
 
 Eigen::MatrixXd OpenLoopProblem::calcBracketDifference(std::size_t run, const MountModel& from,
@@ -162,21 +168,30 @@ bool OpenLoopProblem::differInLawsAlone(const MountModel& from, const MountModel
 }
 
 bool OpenLoopProblem::differInModesAlone(const MountModel& from, const MountModel& to) const {
-    return !sameModes(from.bracket, to.bracket) && sameShapes(from.bracket, to.bracket) &&
-           sameBody(from.body, to.body) && sameLoad(from, to) && sameBody(from.body, reference_.body) &&
-           sameLoad(from, reference_);
+    return !sameModes(from.bracket, to.bracket) && sameBody(from.body, to.body) && sameLoad(from, to) &&
+           sameBody(from.body, reference_.body) && sameLoad(from, reference_);
 }
 
 void OpenLoopProblem::addModesDifference(std::size_t run, const MountModel& from, const MountModel& to,
                                          Eigen::VectorXf& values) const {
     const Whitening& whitening = *whitenings_[run];
-    for (std::size_t j = 0; j < to.bracket.size(); ++j) {
-        const auto &before = from.bracket[j], &after = to.bracket[j];
-        if (before.frequency == after.frequency && before.damping_ratio == after.damping_ratio) continue;
-        const Eigen::VectorXd coordinate = brackets_[run]->calcModeDifference(
-            before, after, reference_forces_[run].row(static_cast<Eigen::Index>(j)).transpose());
-        addAlong(whitening.whitenDirection(Equation::bracket, calcShape(after)), whitening.calcSpectrum(coordinate),
+    const auto calcForce = [&](const BracketMode& mode) -> Eigen::VectorXcd {
+        return reference_inputs_[run].transpose() * calcParticipation(mode).cast<std::complex<double>>();
+    };
+    const auto add = [&](const BracketMode& mode, const Eigen::VectorXd& coordinate) {
+        addAlong(whitening.whitenDirection(Equation::bracket, calcShape(mode)), whitening.calcSpectrum(coordinate),
                  values.segment(offsets_[run] + whitening.mountSize(), whitening.mountSize()));
+    };
+    const auto &before = from.bracket, &after = to.bracket;
+    for (std::size_t j = 0; j < std::max(before.size(), after.size()); ++j) {
+        const bool was = j < before.size(), is = j < after.size();
+        if (was && is && sameShape(before[j], after[j])) {
+            if (!sameResonance(before[j], after[j]))
+                add(after[j], brackets_[run]->calcModeDifference(before[j], after[j], calcForce(after[j])));
+            continue;
+        }
+        if (is) add(after[j], brackets_[run]->calcModeCoordinate(after[j], calcForce(after[j])));
+        if (was) add(before[j], -brackets_[run]->calcModeCoordinate(before[j], calcForce(before[j])));
     }
 }
 

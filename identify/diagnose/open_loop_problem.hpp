@@ -40,12 +40,17 @@ public:
 
     const std::vector<OpenLoopRun>& runs() const { return runs_; }
     const Whitening& whitening(std::size_t run) const { return *whitenings_[run]; }
+    /// True if the slow motion of a run was not measured, so that it follows the model.
+    bool hasSlowBalance() const;
     bool hasBracket(std::size_t run) const { return brackets_[run] != nullptr; }
+    /// Only where hasBracket().
+    const BracketEquation& bracket(std::size_t run) const { return *brackets_[run]; }
     Eigen::Index size() const { return size_; }
     /// First value of a run.
     Eigen::Index offset(std::size_t run) const { return offsets_[run]; }
 
-    /// Takes the noise and the calibration columns that belong to another model, which becomes the reference.
+    /// Takes the noise, the calibration columns and, where it was not measured, the slow motion that belong to another
+    /// model, which becomes the reference.
     void rewhiten(const MountModel& model);
     /// The residual of the reference is kept; others are computed from what differs.
     void setReference(const MountModel& model);
@@ -74,7 +79,7 @@ private:
     Eigen::VectorXf calcValues(const MountModel& model) const;
     /// Change of the bracket's residual of a run; empty if there is none.
     Eigen::MatrixXd calcBracketDifference(std::size_t run, const MountModel& from, const MountModel& to) const;
-    /// True if what differs are frequencies or damping ratios of modes whose forces are known from the reference.
+    /// True if what differs are bracket modes, whose inputs are known from the reference.
     bool differInModesAlone(const MountModel& from, const MountModel& to) const;
     void addModesDifference(std::size_t run, const MountModel& from, const MountModel& to,
                             Eigen::VectorXf& values) const;
@@ -88,7 +93,7 @@ private:
     double gain_scatter_;
     MountModel reference_;
     WhiteVector reference_residual_;
-    std::vector<Eigen::MatrixXcd> reference_forces_;  ///< spectra of the modal forces, one for each run
+    std::vector<Eigen::MatrixXcd> reference_inputs_;  ///< spectra of what drives the modes, one for each run
     Eigen::MatrixXf calibration_;
     Eigen::VectorXd calibration_power_;  ///< squared norms of its columns
     Eigen::MatrixXf sides_;              ///< mobile, then fixed side: gain, delay, rotation; to first order

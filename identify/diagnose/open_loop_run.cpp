@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/diagnose/aliasing.hpp"
+#include "identify/diagnose/velocity_noise.hpp"
+#include "identify/diagnose/whitening.hpp"
 #include "models/bryant.hpp"
 #include "models/mount_forces.hpp"
 #include "models/pi.hpp"
@@ -46,6 +49,34 @@ double knownNoise(double measured) {
     return std::isfinite(measured) && measured > kSmallestNoise ? measured : kSmallestNoise;
 }
 
+/// Noise density of a part's displacement along `direction` at angular frequency w, m²/Hz, one-sided.
+double calcDensity(const PartMotion& part, const Eigen::Matrix<double, 6, 1>& direction, double interval, double w) {
+    const double displacement = knownNoise(part.displacement_noise), acceleration = part.acceleration_noise;
+    const double by_displacement =
+        displacement * displacement * direction.dot(part.displacement_covariance * direction);
+    const double by_acceleration =
+        acceleration * acceleration / std::pow(w, 4) * direction.dot(part.acceleration_covariance * direction);
+    if (!part.acceleration_measured) return part.displacement_measured ? 2 * interval * by_displacement : 0.0;
+    if (!part.displacement_measured) return 2 * interval * by_acceleration;
+    return 2 * interval / (1 / by_displacement + 1 / by_acceleration);
+}
+
+/// Of each relative velocity, as removeVelocityNoise takes it.
+Eigen::MatrixXd calcVelocityDensity(const RunMotion& run, const MountModel& model, double interval, double lowest) {
+    const int frame = velocityNoiseFrame(interval);
+    Eigen::MatrixXd density(3 * static_cast<Eigen::Index>(model.connections.size()), frame / 2 + 1);
+    for (Eigen::Index row = 0; row < density.rows(); ++row) {
+        const auto direction = calcAxisDirection(model, static_cast<int>(row / 3), static_cast<int>(row % 3));
+        for (Eigen::Index b = 0; b < density.cols(); ++b) {
+            const double w = kTwoPi * std::max(static_cast<double>(b) / (frame * interval), std::max(lowest, 0.5));
+            density(row, b) = w * w *
+                              (calcDensity(run.mobile, direction, run.interval, w) +
+                               calcDensity(run.fixed, direction, run.interval, w));
+        }
+    }
+    return density;
+}
+
 }  // namespace
 
 void calcRelative(const MountModel& model, const SmoothPart& mobile, const SmoothPart& fixed, Eigen::MatrixXd& q,
@@ -80,6 +111,8 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
     result.mobile = smooth(run.mobile, kernel, step);
     result.fixed = smooth(run.fixed, kernel, step);
     calcRelative(model, result.mobile, result.fixed, result.q, result.v);
+    result.quiet_v = removeVelocityNoise(result.v, result.interval,
+                                         calcVelocityDensity(run, model, result.interval, run.trusted_from));
     if (run.load.cols() > 0) result.load = kernel.apply(run.load, 0, step);
     if (run.base.cols() > 0) result.base = kernel.apply(run.base, 0, step);
     const auto count = result.mobile.p.cols();
@@ -104,6 +137,7 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
     };
     result.mobile_acceleration_noise = accelerationNoise(run.mobile);
     result.fixed_acceleration_noise = accelerationNoise(run.fixed);
+    result.aliasing = calcAliasing(run);
 
     result.taper.resize(count);
     const double edge = (kernel.halfWidth() + 1) * run.interval;

@@ -29,10 +29,11 @@ struct OpenLoopRun {
     double lowest = 0;        ///< Hz, below this the motion is not known
     Eigen::VectorXd time;     ///< s since the start of the recording
     SmoothPart mobile, fixed;
-    Eigen::MatrixXd q, v;   ///< relative displacement and velocity, F axes: row 3 i + axis; m, m/s
-    Eigen::Matrix3Xd load;  ///< N; empty if not recorded
-    Eigen::Matrix3Xd base;  ///< m/s²; empty if not recorded
-    Eigen::VectorXd swept;  ///< Hz at each sample; empty if not known
+    Eigen::MatrixXd q, v;     ///< relative displacement and velocity, F axes: row 3 i + axis; m, m/s
+    Eigen::MatrixXd quiet_v;  ///< velocity as friction takes it: without what is noise in a stretch and a band; m/s
+    Eigen::Matrix3Xd load;    ///< N; empty if not recorded
+    Eigen::Matrix3Xd base;    ///< m/s²; empty if not recorded
+    Eigen::VectorXd swept;    ///< Hz at each sample; empty if not known
     bool fixed_measured = false;
     bool integrated = false;  ///< the mobile part's displacements are integrated accelerations
     Eigen::VectorXd taper;    ///< 0 where the filter met an end, 1 inside, smooth between
@@ -40,6 +41,8 @@ struct OpenLoopRun {
     /// with it (m/s² RMS, infinite if accelerations were not recorded).
     double mobile_noise = 0, fixed_noise = 0;
     double mobile_acceleration_noise = 0, fixed_acceleration_noise = 0;
+    /// Covariance of the accelerations by folding (origin above rotation, mobile above fixed part), white likewise.
+    Eigen::Matrix<double, 12, 12> aliasing = Eigen::Matrix<double, 12, 12>::Zero();
 
     int sampleCount() const { return static_cast<int>(time.size()); }
 };

@@ -21,15 +21,15 @@ Screened screenStart(const OpenLoopProblem& problem, const LawDifferences& laws,
     const double variance = problem.calcVariance(residual);
     Screened result;
     result.values = start;
-    std::vector<double> present;
-    for (const auto& knob : candidate.knobs) present.push_back(knob.get(model));
-    if (candidate.knobs.empty()) {
+    if (candidate.knobs.empty() || candidate.linear == 0) {
         MountModel changed = model;
-        candidate.apply(changed, {});
+        candidate.apply(changed, start);
         const auto d = calcDifference(changed);
         result.gain = -2 * problem.product(residual, d, variance) - problem.product(d, d, variance);
         return result;
     }
+    std::vector<double> present;
+    for (const auto& knob : candidate.knobs) present.push_back(knob.get(model));
     const auto count = static_cast<Eigen::Index>(candidate.linear);
     std::vector<double> values = start;
     for (std::size_t i = 0; i < candidate.linear; ++i) values[i] = present[i];

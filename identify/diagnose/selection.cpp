@@ -6,6 +6,7 @@
 #include <set>
 
 #include "identify/diagnose/leftover.hpp"
+#include "identify/diagnose/missing_mode.hpp"
 #include "identify/diagnose/screening.hpp"
 #include "identify/motion/parallel.hpp"
 
@@ -14,14 +15,22 @@ namespace {
 
 /// Fits within this share of the smaller excess over a perfect model cannot be told apart.
 constexpr double kTieFraction = 0.02;
-/// … nor within this much of the misfit per value.
-constexpr double kTieMisfit = 0.01;
+/// … nor within this share of the least gain of the misfit per value.
+constexpr double kTieGain = 0.25;
 
 /// Where a force along one axis could make this share of the mount's residual, laws elsewhere are not tried …
 constexpr double kAloneInEquation = 0.95;
 /// … but for axes that could make nearly as much. The residual must stand out from the noise for that, per value.
 constexpr double kNearlyAsMuch = 0.04;
 constexpr double kStandsOut = 0.5;
+
+/// Share of a stop's stiffness below which there is no stop.
+constexpr double kNoStop = 0.02;
+
+/// Fits with what follows the model, and what is left to change after them: the values in standard deviations, the
+/// misfit relative.
+constexpr int kFollowPasses = 4;
+constexpr double kNearDeviations = 0.3, kSettled = 1e-3;
 
 /// `1.x` of `1.x` and `1.x.+`; empty for `body`, `mobile`, …
 std::string axisOf(const std::string& place) {
@@ -61,7 +70,7 @@ public:
         if (result_.accepted.size() > 1) exchange();
         removeIdle();
         split();
-        compareWithValidation();
+        estimateErrors();
         judge();
         result_.identification_before = identification_.calcMisfit(identification_.calcResidual(base_));
         result_.validation_before = validate(base_);
@@ -84,9 +93,17 @@ private:
                2 * price(best) * static_cast<double>(trial.candidate.knobs.size());
     }
 
+    /// Of the validation runs, that a candidate is taken.
+    double calcNeededGain(double validation_misfit) const {
+        if (options_.judged_elsewhere) return -kTieGain * options_.least_gain;
+        return std::max(options_.least_gain, options_.least_fraction * std::max(0.0, validation_misfit - 1));
+    }
+
     /// The catalogue of a model, without laws at places that its residual excludes.
     std::vector<Candidate> makePossible(const ParameterFit& present) const {
         auto catalogue = makeCatalogue(present.model, with_bracket_);
+        for (auto& candidate : makeMissingMode(identification_, present.model, present.residual))
+            catalogue.push_back(std::move(candidate));
         const auto keepPossible = [&](const std::function<bool(const std::string&)>& isPossible) {
             catalogue.erase(std::remove_if(catalogue.begin(), catalogue.end(),
                                            [&](const Candidate& candidate) {
@@ -159,14 +176,42 @@ private:
         validation_.setReference(model);
     }
 
-    /// Accepted causes change what the noise does to the equations: they are fitted once more with their own.
+    /// A resonance that is new turns the noise of what drives it into noise of its own: its width and that noise follow
+    /// each other. So do the values and the slow motion that was not measured, known to first order around a model.
+    int countPasses() const {
+        const bool new_mode = std::any_of(result_.accepted.begin(), result_.accepted.end(),
+                                          [](const Candidate& c) { return c.new_mode.has_value(); });
+        return new_mode || identification_.hasSlowBalance() ? kFollowPasses : 1;
+    }
+
+    /// Accepted causes change what the noise does to the equations, and the slow motion where it was not measured: they
+    /// are fitted once more with their own.
     void adopt(std::vector<Candidate> accepted, const MountModel& model) {
         result_.accepted = std::move(accepted);
-        identification_.rewhiten(model);
-        validation_.rewhiten(model);
-        laws_ = std::make_unique<LawDifferences>(identification_, model);
-        result_.fit = fitParameters(identification_, model, collectKnobs(result_.accepted));
-        setReference(result_.fit.model);
+        const auto knobs = collectKnobs(result_.accepted);
+        result_.fit.model = model;
+        double before = 0;
+        for (int pass = countPasses(); pass > 0; --pass) {
+            const MountModel present = result_.fit.model;
+            identification_.rewhiten(present);
+            validation_.rewhiten(present);
+            laws_ = std::make_unique<LawDifferences>(identification_, present);
+            result_.fit = fitParameters(identification_, present, knobs);
+            setReference(result_.fit.model);
+            if (isNear(present, knobs) && std::abs(before - result_.fit.misfit) < kSettled * result_.fit.misfit) break;
+            before = result_.fit.misfit;
+        }
+    }
+
+    /// True if the fit's values are those of `model`, well within their uncertainty.
+    bool isNear(const MountModel& model, const std::vector<Knob>& knobs) const {
+        const double scale = std::sqrt(std::max(1.0, result_.fit.misfit));
+        for (std::size_t i = 0; i < knobs.size(); ++i) {
+            const auto k = static_cast<Eigen::Index>(i);
+            const double deviation = scale * std::sqrt(std::max(0.0, result_.fit.covariance(k, k)));
+            if (!(std::abs(result_.fit.values[i] - knobs[i].get(model)) <= kNearDeviations * deviation)) return false;
+        }
+        return true;
     }
 
     void forward() {
@@ -180,8 +225,7 @@ private:
             round.place_share = place.share;
             fits_.clear();
             round.trials = tryCandidates(result_.fit, result_.accepted, options_.trials);
-            const double excess = std::max(0.0, round.validation_before - 1);
-            const double needed = std::max(options_.least_gain, options_.least_fraction * excess);
+            const double needed = calcNeededGain(round.validation_before);
             for (std::size_t i = 0; i < round.trials.size() && round.taken < 0; ++i) {
                 const auto& trial = round.trials[i];
                 auto all = result_.accepted;
@@ -193,7 +237,7 @@ private:
                 if (gain_identification < options_.least_gain || gain_validation < needed) continue;
                 round.taken = static_cast<int>(i);
             }
-            round.reason = round.taken >= 0       ? "taken"
+            round.reason = round.taken >= 0 ? options_.judged_elsewhere ? "taken, as the simulation judges" : "taken"
                            : round.trials.empty() ? "no candidate promises a gain"
                                                   : "no candidate gains enough on the validation runs";
             const bool go_on = round.taken >= 0;
@@ -208,8 +252,9 @@ private:
         fits_.clear();
     }
 
-    static bool isTie(double a, double b) {
-        return std::abs(a - b) < std::max(kTieMisfit, kTieFraction * std::max(0.0, std::min(a, b) - 1));
+    bool isTie(double a, double b) const {
+        return std::abs(a - b) <
+               std::max(kTieGain * options_.least_gain, kTieFraction * std::max(0.0, std::min(a, b) - 1));
     }
 
     ParameterFit refit(const std::vector<Candidate>& accepted) {
@@ -250,10 +295,9 @@ private:
             auto others = result_.accepted;
             others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
             const auto fit = refit(others);
-            const double excess = std::max(0.0, validate(result_.fit.model) - 1);
+            const double validation = validate(result_.fit.model);
             if (fit.misfit - result_.fit.misfit < options_.least_gain ||
-                validate(fit.model) - validate(result_.fit.model) <
-                    std::max(options_.least_gain, options_.least_fraction * excess)) {
+                validate(fit.model) - validation < calcNeededGain(validation)) {
                 adopt(others, fit.model);
             }
         }
@@ -284,16 +328,28 @@ private:
     }
 
     /// What noise alone does not explain between two sets of runs belongs into the intervals.
-    void compareWithValidation() {
+    void estimateErrors() {
         const auto knobs = collectKnobs(result_.accepted);
         if (knobs.empty()) return;
         const auto other = fitParameters(validation_, result_.fit.model, knobs, 4);
+        const double scale = std::sqrt(std::max(1.0, result_.fit.misfit));
         for (std::size_t i = 0; i < knobs.size(); ++i) {
             const auto k = static_cast<Eigen::Index>(i);
             const double variance = result_.fit.covariance(k, k) + other.covariance(k, k);
             const double difference = std::abs(other.values[i] - result_.fit.values[i]);
-            result_.discrepancy.push_back(variance > 0 ? std::max(1.0, difference / std::sqrt(variance)) : 1.0);
+            const double discrepancy = variance > 0 ? std::max(1.0, difference / std::sqrt(variance)) : 1.0;
+            result_.standard_errors.push_back(scale * discrepancy *
+                                              std::sqrt(std::max(0.0, result_.fit.covariance(k, k))));
         }
+    }
+
+    /// True if a trial is the accepted cause in other words: a stop without stiffness is a stop that is removed.
+    bool isSame(const Trial& trial, const Candidate& accepted) const {
+        if (trial.candidate.where != accepted.where) return false;
+        if (trial.candidate.cause == accepted.cause) return true;
+        if (accepted.cause != "clearance" || !accepted.knobs.empty() || trial.candidate.cause != "stop_stiffness")
+            return false;
+        return trial.values.front() < kNoStop * trial.candidate.knobs.front().get(base_);
     }
 
     /// Rivals and the price of leaving each out.
@@ -312,9 +368,7 @@ private:
             setReference(result_.fit.model);
             std::vector<Trial> rivals;
             for (const auto& trial : trials) {
-                const bool same = trial.candidate.cause == result_.accepted[i].cause &&
-                                  trial.candidate.where == result_.accepted[i].where;
-                if (!same && isTie(trial.identification, now)) rivals.push_back(trial);
+                if (!isSame(trial, result_.accepted[i]) && isTie(trial.identification, now)) rivals.push_back(trial);
             }
             result_.rivals.push_back(rivals);
         }

@@ -36,8 +36,9 @@ struct Selection {
     std::vector<double> without;             ///< validation misfit without it, the others refitted
     std::vector<MountModel> models_without;  ///< the models of these misfits
     ParameterFit fit;                        ///< all accepted together, on the identification runs
-    /// For each value of the fit: by how many standard deviations the validation runs alone want another; at least 1.
-    std::vector<double> discrepancy;
+    /// Of each value of the fit: what the noise and the misfit make of it, widened where the validation runs alone want
+    /// a value that differs by more.
+    std::vector<double> standard_errors;
     double identification_before = 0, validation_before = 0;
     double identification_after = 0, validation_after = 0;
     std::vector<Round> rounds;
@@ -46,10 +47,11 @@ struct Selection {
 struct SelectionOptions {
     int max_rounds = 6;
     int max_causes = 4;
-    int trials = 8;                ///< candidates fitted in each round
-    double least_gain = 0.04;      ///< of the misfit per value, on both groups
-    double least_fraction = 0.08;  ///< of what the validation misfit exceeds 1 by
-    std::string only_place;        ///< axis (`1.x`) at which alone causes are tried; empty: everywhere
+    int trials = 8;                 ///< candidates fitted in each round
+    double least_gain = 0.04;       ///< of the misfit per value, on both groups
+    bool judged_elsewhere = false;  ///< the validation runs need not gain, only not lose: a simulation judges
+    double least_fraction = 0.08;   ///< of what the validation misfit exceeds 1 by
+    std::string only_place;         ///< axis (`1.x`) at which alone causes are tried; empty: everywhere
     std::function<void(const std::string&)> progress;
 };
 

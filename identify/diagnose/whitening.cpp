@@ -17,11 +17,13 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Matrix6c = Eigen::Matrix<std::complex<double>, 6, 6>;
+using Matrix6x12c = Eigen::Matrix<std::complex<double>, 6, 12>;
 
 constexpr double kRoot2 = 1.4142135623730951;  // real and imaginary parts share the variance
 constexpr double kLowest = 2.5;                // Hz: below it there is drift and little else
 constexpr double kHighest = 110.0;             // Hz: twice a sweep that ends at 50 Hz
 constexpr double kProportional = 5e-4;         // of the forces and of the motion
+constexpr double kMemory = 0.25;               // s: of twice integrated errors
 constexpr double kSmoothing = 1.0;             // Hz, width of the spectra's smoothing
 
 Matrix6 calcRigidCovariance(const MountModel& model) {
@@ -53,13 +55,19 @@ double effectiveVariance(double displacement, double acceleration, double w) {
     return displacement * displacement / (1 + ratio * ratio);
 }
 
-/// Noise of a relative displacement as a stop sees it. What a stop makes of slow noise is spread over all frequencies,
-/// as the stop closes and opens; twice integrated acceleration noise is all slow: 2 h σ² / (3 (2π)⁴ f³) above f.
-double contactVariance(const OpenLoopRun& run, double displacement, double acceleration, double w) {
-    if (!run.integrated) return effectiveVariance(displacement, acceleration, w);
+/// What a stop makes of slow noise is spread over all frequencies, as the stop closes and opens; twice integrated
+/// acceleration noise is all slow: 2 h σ² / (3 (2π)⁴ f³) above f.
+double integratedVariance(const OpenLoopRun& run, const SlowBalance& slow, double acceleration) {
     const double total = 2 * run.raw_interval * acceleration * acceleration /
-                         (3 * std::pow(kTwoPi, 4) * std::pow(std::max(run.lowest, 1.0), 3));
+                         (3 * std::pow(kTwoPi, 4) * std::pow(std::max(slow.cornerFrequency(), 1.0), 3));
     return total * 0.5 / run.raw_interval / kHighest;
+}
+
+/// Noise of a relative displacement as a stop sees it.
+double contactVariance(const OpenLoopRun& run, const SlowBalance* slow, double displacement, double acceleration,
+                       double w) {
+    return slow != nullptr ? integratedVariance(run, *slow, acceleration)
+                           : effectiveVariance(displacement, acceleration, w);
 }
 
 Matrix6c invertFactor(const Matrix6c& covariance) {
@@ -98,7 +106,9 @@ Matrix6 calcStiffnessMatrix(const MountModel& model) {
 Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_bracket)
     : run_(&run), with_bracket_(with_bracket), fourier_(run.sampleCount()) {
     const double spacing = 1 / (fourier_.size() * run.interval);
-    first_ = static_cast<Eigen::Index>(std::ceil(std::max(kLowest, run.lowest) / spacing));
+    if (run.integrated && run.lowest > 0) slow_ = std::make_unique<SlowBalance>(run, model);
+    first_ = static_cast<Eigen::Index>(
+        std::ceil(std::max(kLowest, slow_ ? slow_->highestBalanced() : run.lowest) / spacing));
     bins_ = std::max<Eigen::Index>(
         1, static_cast<Eigen::Index>(std::floor(std::min(kHighest, 0.9 * run.pass) / spacing)) - first_ + 1);
     const auto half = static_cast<Eigen::Index>(0.5 * kSmoothing / spacing);
@@ -108,7 +118,11 @@ Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_
     // Each axis' force: its spectrum for the proportional part, its time in contact for the stops' noise.
     std::vector<Eigen::MatrixXd> force_power;
     std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> directions;
-    Matrix6 contact = Matrix6::Zero();
+    Matrix6 contact = Matrix6::Zero(), contact_folded = Matrix6::Zero();
+    Eigen::Matrix<double, 6, 12> relative;
+    relative << Matrix6::Identity(), -Matrix6::Identity();
+    const Matrix6 folded = relative * run.aliasing * relative.transpose();
+    std::vector<char> touched(static_cast<std::size_t>(run.time[run.sampleCount() - 1] / kMemory) + 1, 0);
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
             const auto c = static_cast<int>(i);
@@ -121,9 +135,14 @@ Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_
             for (int k = 0; k < run.sampleCount(); ++k) {
                 const double stop = force.calcStaticStiffness(run.q(3 * c + a, k)) - law.stiffness;
                 square += stop * stop / run.sampleCount();
+                if (stop != 0) touched[static_cast<std::size_t>(run.time[k] / kMemory)] = 1;
             }
             contact += square * (d.transpose() * C * d)(0) * directions.back();
+            contact_folded += square * (d.transpose() * folded * d)(0) * directions.back();
         }
+    // What folds comes with contact, when it does most harm.
+    contact_folded *= static_cast<double>(touched.size()) /
+                      std::max(1.0, static_cast<double>(std::count(touched.begin(), touched.end(), 1)));
     const Eigen::MatrixXd demand_power = smoothPower(transform(calcDemand(run, model.body, model.gravity)), half);
     Eigen::MatrixXd fixed(6, run.sampleCount());
     fixed << run.fixed.p, run.fixed.theta;
@@ -135,9 +154,15 @@ Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_
         const double mobile = gain * effectiveVariance(run.mobile_noise, run.mobile_acceleration_noise, w);
         const double still = gain * effectiveVariance(run.fixed_noise, run.fixed_acceleration_noise, w);
         const Matrix6 G = K - w * w * M;
-        const double touching = gain * (contactVariance(run, run.mobile_noise, run.mobile_acceleration_noise, w) +
-                                        contactVariance(run, run.fixed_noise, run.fixed_acceleration_noise, w));
+        const double touching =
+            gain * (contactVariance(run, slow_.get(), run.mobile_noise, run.mobile_acceleration_noise, w) +
+                    contactVariance(run, slow_.get(), run.fixed_noise, run.fixed_acceleration_noise, w));
         Matrix6 S = mobile * G * C * G.transpose() + still * K * C * K.transpose() + touching * contact;
+        const double twice = gain / (w * w * w * w);
+        Eigen::Matrix<double, 6, 12> both;
+        both << G, -K;
+        S += twice * both * run.aliasing * both.transpose();
+        if (slow_) S += gain * integratedVariance(run, *slow_, 1.0) * contact_folded;
         for (std::size_t i = 0; i < directions.size(); ++i) S += proportional * force_power[i](0, b) * directions[i];
         S.diagonal() += proportional * demand_power.col(b);
         factors_[0].push_back(invertFactor(S.cast<std::complex<double>>()));
@@ -150,6 +175,9 @@ Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_
         T *= (w * w * M).cast<std::complex<double>>();
         Matrix6c B = mobile * T * C.cast<std::complex<double>>() * T.adjoint();
         B += (still * C).cast<std::complex<double>>();
+        Matrix6x12c predicted;
+        predicted << T, -Matrix6c::Identity();
+        B += twice * predicted * run.aliasing.cast<std::complex<double>>() * predicted.adjoint();
         for (int i = 0; i < 6; ++i) B(i, i) += proportional * fixed_power(i, b);
         factors_[1].push_back(invertFactor(B));
     }
@@ -190,6 +218,20 @@ void addAlong(const Eigen::MatrixXcf& white, const Eigen::VectorXcf& spectrum, E
 
 void Whitening::apply(Equation equation, const Eigen::Ref<const Eigen::MatrixXd>& series,
                       Eigen::Ref<Eigen::VectorXf> out) const {
+    if (slow_ && equation == Equation::mount) {
+        whiten(equation, slow_->balance(series), out);
+    } else {
+        whiten(equation, series, out);
+    }
+}
+
+void Whitening::applySlow(const Eigen::Ref<const Eigen::VectorXd>& coefficients,
+                          Eigen::Ref<Eigen::VectorXf> out) const {
+    whiten(Equation::mount, slow_->calcForces(coefficients), out);
+}
+
+void Whitening::whiten(Equation equation, const Eigen::Ref<const Eigen::MatrixXd>& series,
+                       Eigen::Ref<Eigen::VectorXf>& out) const {
     const auto& factors = factors_[equation == Equation::mount ? 0 : 1];
     const Eigen::MatrixXcd spectra = transform(series);
     for (Eigen::Index b = 0; b < bins_; ++b) {

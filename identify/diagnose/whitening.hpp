@@ -14,10 +14,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "identify/diagnose/fourier.hpp"
 #include "identify/diagnose/open_loop_run.hpp"
+#include "identify/diagnose/slow_balance.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {
@@ -48,6 +50,11 @@ public:
     void apply(Equation equation, const Eigen::Ref<const Eigen::MatrixXd>& series,
                Eigen::Ref<Eigen::VectorXf> out) const;
 
+    /// Where the slow motion was not measured; nullptr elsewhere. apply() balances the mount's residual by it.
+    const SlowBalance* slowBalance() const { return slow_.get(); }
+    /// What a slow motion adds to the mount's equation, whitened: mountSize() values.
+    void applySlow(const Eigen::Ref<const Eigen::VectorXd>& coefficients, Eigen::Ref<Eigen::VectorXf> out) const;
+
     /// Spectrum of a history at the bins of the whitened values, as apply() takes it (tapered).
     Eigen::VectorXcf calcSpectrum(const Eigen::Ref<const Eigen::VectorXd>& history) const;
     /// What has a fixed direction, with unit spectrum, whitened: 6 x bins.
@@ -60,11 +67,14 @@ public:
 
 private:
     using Matrix6c = Eigen::Matrix<std::complex<double>, 6, 6>;
+    void whiten(Equation equation, const Eigen::Ref<const Eigen::MatrixXd>& series,
+                Eigen::Ref<Eigen::VectorXf>& out) const;
     Eigen::MatrixXcd transform(const Eigen::Ref<const Eigen::MatrixXd>& series) const;
 
     const OpenLoopRun* run_;
     bool with_bracket_;
     Fourier fourier_;
+    std::unique_ptr<SlowBalance> slow_;
     Eigen::Index first_ = 0, bins_ = 0;
     std::vector<Matrix6c, Eigen::aligned_allocator<Matrix6c>> factors_[2];
 };

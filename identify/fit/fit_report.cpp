@@ -183,7 +183,8 @@ void reportFit(Solver& solver, const LinearSystem& system, const ParameterUncert
     for (const int p : system.parameters) taking_part.push_back(solver.parameters()[static_cast<std::size_t>(p)]);
     const Identifiability identifiability =
         findIdentifiable(solver.model(), taking_part, system.scale,
-                         addGeometryError(system, uncertainty.makeCovariance(), options.geometry_error));
+                         addGeometryError(system, uncertainty.makeCovariance(), options.geometry_error),
+                         [&](const Eigen::VectorXd& combination) { return uncertainty.calcHalfWidth(combination); });
     result.model = solver.base();
     for (std::size_t j = 0; j < taking_part.size(); ++j) {
         if (!identifiability.known[j]) continue;

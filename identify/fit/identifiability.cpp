@@ -57,11 +57,14 @@ std::string formatCombination(const std::vector<Parameter>& parameters, const st
 class CombinationSearch {
 public:
     CombinationSearch(const std::vector<Parameter>& parameters, const std::vector<int>& group,
-                      const Eigen::VectorXd& scale, const Eigen::MatrixXd& covariance)
+                      const Eigen::VectorXd& scale, const Eigen::MatrixXd& covariance,
+                      const std::function<double(const Eigen::VectorXd&)>& calcHalfWidth)
         : parameters_(parameters),
           group_(group),
           scale_(scale(group)),
           covariance_(covariance(group, group)),
+          calcHalfWidth_(calcHalfWidth),
+          all_(scale.size()),
           tolerance_(0.5 * calcTolerance(parameters[static_cast<std::size_t>(group.front())])) {
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance_);
         for (Eigen::Index j = 0; j < eigen.eigenvalues().size(); ++j)
@@ -126,11 +129,18 @@ private:
         return std::sqrt(std::max(0.0, scaled.dot(covariance_ * scaled))) / scaled.cwiseAbs().sum();
     }
 
+    bool hasNarrowInterval(const Eigen::VectorXd& factors) const {
+        const Eigen::VectorXd scaled = factors.cwiseProduct(scale_);
+        Eigen::VectorXd combination = Eigen::VectorXd::Zero(all_);
+        combination(group_) = scaled;
+        return calcHalfWidth_(combination) < 2 * tolerance_ * scaled.cwiseAbs().sum();
+    }
+
     bool addIfIndependent(const Eigen::VectorXd& factors) {
         constexpr double least = 0.2;  // part that the earlier combinations do not span
         Eigen::VectorXd rest = factors.cwiseProduct(scale_).normalized();
         for (const auto& direction : basis_) rest -= direction.dot(rest) * direction;
-        if (rest.norm() < least) return false;
+        if (rest.norm() < least || !hasNarrowInterval(factors)) return false;
         basis_.push_back(rest.normalized());
         found_.push_back({group_, factors, formatCombination(parameters_, group_, factors)});
         return true;
@@ -152,7 +162,9 @@ private:
     const std::vector<int>& group_;
     Eigen::VectorXd scale_;
     Eigen::MatrixXd covariance_;
-    double tolerance_;
+    const std::function<double(const Eigen::VectorXd&)>& calcHalfWidth_;
+    Eigen::Index all_;  // parameters
+    double tolerance_;  // of a standard error
     std::vector<Eigen::VectorXd> known_directions_, basis_;
     std::vector<KnownCombination> found_;
 };
@@ -193,7 +205,8 @@ std::string describeSeparatingMotion(const MountModel& model, const std::vector<
 }
 
 Identifiability findIdentifiable(const MountModel& model, const std::vector<Parameter>& parameters,
-                                 const Eigen::VectorXd& scale, const Eigen::MatrixXd& covariance) {
+                                 const Eigen::VectorXd& scale, const Eigen::MatrixXd& covariance,
+                                 const std::function<double(const Eigen::VectorXd&)>& calcHalfWidth) {
     Identifiability result;
     std::vector<int> open;
     for (std::size_t j = 0; j < parameters.size(); ++j) {
@@ -204,7 +217,8 @@ Identifiability findIdentifiable(const MountModel& model, const std::vector<Para
     for (const auto& group : findGroups(open, parameters, covariance)) {
         OpenGroup described;
         described.members = group;
-        if (group.size() > 1) described.known = CombinationSearch(parameters, group, scale, covariance).find();
+        if (group.size() > 1)
+            described.known = CombinationSearch(parameters, group, scale, covariance, calcHalfWidth).find();
         std::vector<Parameter> members;
         for (const int j : group) members.push_back(parameters[static_cast<std::size_t>(j)]);
         if (members.front().kind == ParameterKind::stop_stiffness || members.front().kind == ParameterKind::clearance)

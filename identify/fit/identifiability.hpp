@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -36,8 +37,12 @@ double calcTolerance(const Parameter& parameter);
 /// @param parameters those of the regression
 /// @param scale      their scales, see calcScale()
 /// @param covariance of parameter / scale, model error included
+/// @param calcHalfWidth of the 95 % interval of Σ a_j x_j, x_j = parameter / scale. A combination is known only if
+///     this is below calcTolerance(): what rests on few contacts has a wide interval in spite of a small standard
+///     error.
 Identifiability findIdentifiable(const MountModel& model, const std::vector<Parameter>& parameters,
-                                 const Eigen::VectorXd& scale, const Eigen::MatrixXd& covariance);
+                                 const Eigen::VectorXd& scale, const Eigen::MatrixXd& covariance,
+                                 const std::function<double(const Eigen::VectorXd&)>& calcHalfWidth);
 
 /// The relative motion in which errors of these stiffnesses (or dashpots) with that covariance would show most.
 std::string describeSeparatingMotion(const MountModel& model, const std::vector<Parameter>& parameters,

@@ -38,15 +38,17 @@ Autoregression fitAutoregression(const Eigen::VectorXd& residual) {
     return model;
 }
 
-/// Rows of one equation, filtered backwards by 1/A and scaled by the innovation, in place: J → Γ^½ᵀ J.
-void colour(RowMatrix& sensitivity, int equation, const Autoregression& model) {
-    const Eigen::Index outputs = sensitivity.rows() / 6;
-    for (Eigen::Index n = outputs - 1; n >= 0; --n) {
-        auto row = sensitivity.row(6 * n + equation);
-        for (Eigen::Index lag = 1; lag <= model.coefficients.size() && n + lag < outputs; ++lag)
-            row.noalias() += model.coefficients(lag - 1) * sensitivity.row(6 * (n + lag) + equation);
-    }
-    for (Eigen::Index n = 0; n < outputs; ++n) sensitivity.row(6 * n + equation) *= model.innovation;
+/// Rows 6 n + e of some outputs and, below them, of the outputs that follow, which are filtered already: filters the
+/// rows of equation e backwards by its 1/A, in place.
+void filterBackwards(RowMatrix& rows, Eigen::Index outputs, const std::vector<Autoregression>& models) {
+    const Eigen::Index all = rows.rows() / 6;
+    for (Eigen::Index n = outputs - 1; n >= 0; --n)
+        for (Eigen::Index e = 0; e < 6; ++e) {
+            const Eigen::VectorXd& coefficients = models[static_cast<std::size_t>(e)].coefficients;
+            auto row = rows.row(6 * n + e);
+            for (Eigen::Index lag = 1; lag <= coefficients.size() && n + lag < all; ++lag)
+                row.noalias() += coefficients(lag - 1) * rows.row(6 * (n + lag) + e);
+        }
 }
 
 /// Scores JᵀWr of one run: their sums over blocks, and the covariance that the residual's autocorrelation gives them.
@@ -55,22 +57,35 @@ struct RunScores {
     Eigen::MatrixXd covariance;
 };
 
+/// Block by block from the end, as whole sensitivities of long runs would not stay in the processor's cache: the rows
+/// coloured to Γ^½ᵀ J are those of J filtered backwards by 1/A and scaled by the innovation.
 RunScores calcRunScores(const Solver& solver, const LinearSystem& system, std::size_t run) {
-    RunScores scores;
-    RowMatrix sensitivity = solver.calcSensitivity(run, system);
     const Eigen::VectorXd residual = solver.calcResidual(run);
-    const Eigen::Index outputs = residual.size() / 6;
-    const Eigen::Index length = std::max<Eigen::Index>(2 * kOrder, (outputs + kBlocksPerRun - 1) / kBlocksPerRun);
-    for (Eigen::Index start = 0; start < outputs; start += length) {
-        const Eigen::Index rows = 6 * std::min(length, outputs - start);
-        scores.blocks.emplace_back(sensitivity.middleRows(6 * start, rows).transpose() *
-                                   residual.segment(6 * start, rows));
+    const int outputs = static_cast<int>(residual.size() / 6);
+    std::vector<Autoregression> models;
+    Eigen::VectorXd innovation(6);
+    for (int e = 0; e < 6; ++e) {
+        models.push_back(fitAutoregression(
+            Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<6>>(residual.data() + e, outputs)));
+        innovation(e) = models.back().innovation;
     }
-    for (int e = 0; e < 6; ++e)
-        colour(sensitivity, e,
-               fitAutoregression(
-                   Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<6>>(residual.data() + e, outputs)));
-    scores.covariance = sensitivity.transpose() * sensitivity;
+    const Eigen::MatrixXd columns = solver.makeSensitivityColumns(system);
+    const int length = std::max(2 * kOrder, (outputs + kBlocksPerRun - 1) / kBlocksPerRun);
+    RunScores scores;
+    scores.covariance = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+    RowMatrix rows, following(0, columns.cols());
+    for (int first = (outputs - 1) / length * length; first >= 0; first -= length) {
+        const int count = std::min(length, outputs - first);
+        rows.resize(6 * count + following.rows(), columns.cols());
+        rows.topRows(6 * count) = solver.equations().apply(run, columns, first, count);
+        rows.bottomRows(following.rows()) = following;
+        scores.blocks.emplace_back(rows.topRows(6 * count).transpose() * residual.segment(6 * first, 6 * count));
+        filterBackwards(rows, count, models);
+        following = rows.topRows(6 * std::min(count, kOrder));
+        for (int n = 0; n < count; ++n) rows.middleRows<6>(6 * n).array().colwise() *= innovation.array();
+        scores.covariance.selfadjointView<Eigen::Lower>().rankUpdate(rows.topRows(6 * count).transpose());
+    }
+    scores.covariance = Eigen::MatrixXd(scores.covariance.selfadjointView<Eigen::Lower>());
     return scores;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "models/bryant.hpp"
+#include "models/law_equality.hpp"
 #include "models/mount_forces.hpp"
 
 namespace wems::identify {
@@ -47,10 +48,10 @@ AxisLaw unitElasticPart(const AxisLaw& law) {
 }
 
 AxisLaw knownPart(const AxisLaw& law) {
-    AxisLaw part;
-    part.cubic = law.cubic;
-    part.friction = law.friction;
-    part.offset = law.offset;
+    AxisLaw part = law;
+    part.stiffness = part.damping = part.loss_factor = part.drift = 0;
+    part.relaxation.reset();
+    part.stops.clear();
     for (auto stop = law.stops.begin(); stop != law.stops.end(); ++stop) {
         const auto same_side = [&](const Stop& other) { return other.side == stop->side; };
         if (std::any_of(law.stops.begin(), stop, same_side)) part.stops.push_back(*stop);
@@ -91,8 +92,9 @@ LawHistory calcLawHistory(const MountModel& model, const RelativeHistory& relati
     for (const auto& connection : model.connections)
         for (const auto& law : connection.axis) {
             if (law.loss_factor != 0 || law.drift != 0 || law.relaxation) history.elastic_is_displacement = false;
-            const AxisLaw known = knownPart(law);
-            if (known.cubic != 0 || known.friction || !known.stops.empty()) history.known_is_zero = false;
+            AxisLaw nothing;
+            nothing.offset = law.offset;
+            if (!(knownPart(law) == nothing)) history.known_is_zero = false;
         }
     if (!history.elastic_is_displacement) history.unit_elastic.resize(relative.q.rows(), relative.q.cols());
     if (!history.known_is_zero) history.known.resize(relative.q.rows(), relative.q.cols());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "identify/motion/parallel.hpp"
 #include "models/parameter_access.hpp"
 
 namespace wems::identify {
@@ -30,13 +31,16 @@ int NormalEquations::outputCount() const {
 
 void NormalEquations::updateLinear() {
     const int linear = layout().count();
-    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(linear, linear);
-    for (const auto& run : runs_) products.selfadjointView<Eigen::Lower>().rankUpdate(run.columns.transpose());
-    gram_ = products.selfadjointView<Eigen::Lower>();
+    std::vector<Eigen::MatrixXd> products(runs_.size(), Eigen::MatrixXd::Zero(linear, linear));
+    runParallel(runs_.size(), [&](std::size_t r) {
+        products[r].selfadjointView<Eigen::Lower>().rankUpdate(runs_[r].columns.transpose());
+    });
+    gram_ = Eigen::MatrixXd::Zero(linear, linear);
+    for (const auto& product : products) gram_ += product.selfadjointView<Eigen::Lower>();
 }
 
 void NormalEquations::whiten(const std::vector<Matrix6d>& transforms) {
-    for (std::size_t r = 0; r < runs_.size(); ++r) {
+    runParallel(runs_.size(), [&](std::size_t r) {
         auto& columns = runs_[r].columns;
         Eigen::Matrix<double, 6, Eigen::Dynamic> rows(6, columns.cols());
         for (int n = 0; n < runs_[r].outputs; ++n) {
@@ -44,7 +48,7 @@ void NormalEquations::whiten(const std::vector<Matrix6d>& transforms) {
             columns.middleRows<6>(6L * n) = rows;
         }
         whitenings_[r] = transforms[r] * whitenings_[r];
-    }
+    });
     stops_.clear();
     clearances_.clear();
     for (auto& columns : columns_) columns.clear();
@@ -86,16 +90,16 @@ void NormalEquations::updateStops(const MountModel& model) {
     std::vector<std::size_t> changed;
     for (std::size_t s = 0; s < stops_.size(); ++s)
         if (stopOf(model, stops_[s]).clearance != clearances_[s]) changed.push_back(s);
-    for (const std::size_t s : changed) {
-        const AxisLaw& law = lawOf(model, stops_[s]);
-        for (std::size_t r = 0; r < runs_.size(); ++r) {
+    if (changed.empty()) return;
+    runParallel(runs_.size(), [&](std::size_t r) {
+        for (const std::size_t s : changed) {
             const auto& history = runs_[r].axes[static_cast<std::size_t>(stops_[s].historyIndex())];
-            columns_[r][s] =
-                makeStopColumn(history, runs_[r].test_function, runs_[r].outputs, stopOf(model, stops_[s]), law.offset);
+            columns_[r][s] = makeStopColumn(history, runs_[r].test_function, runs_[r].outputs, stopOf(model, stops_[s]),
+                                            lawOf(model, stops_[s]).offset);
             transform(columns_[r][s], whitenings_[r]);
         }
-        clearances_[s] = stopOf(model, stops_[s]).clearance;
-    }
+    });
+    for (const std::size_t s : changed) clearances_[s] = stopOf(model, stops_[s]).clearance;
     for (const std::size_t s : changed) updateProducts(s);
 }
 
@@ -179,18 +183,22 @@ Eigen::MatrixXd NormalEquations::makeJacobian(const MountModel& model, const std
 }
 
 RowMatrix NormalEquations::apply(std::size_t run, const Eigen::MatrixXd& combination) const {
-    const RunEquations& equations = runs_[run];
-    RowMatrix result = equations.columns * combination.topRows(layout().count());
+    return apply(run, combination, 0, runs_[run].outputs);
+}
+
+RowMatrix NormalEquations::apply(std::size_t run, const Eigen::MatrixXd& combination, int first, int count) const {
+    RowMatrix result = runs_[run].columns.middleRows(6L * first, 6L * count) * combination.topRows(layout().count());
     for (std::size_t s = 0; s < stops_.size(); ++s) {
         const StopColumn& column = columns_[run][s];
         const Eigen::RowVectorXd value = combination.row(valueColumn(s)), slope = combination.row(slopeColumn(s));
         if (value.isZero(0) && slope.isZero(0)) continue;
-        for (std::size_t n = 0; n < column.output.size(); ++n) {
-            const auto k = static_cast<Eigen::Index>(n);
-            result.middleRows<6>(6L * column.output[n]) += column.value.col(k) * value + column.slope.col(k) * slope;
+        const auto begin = std::lower_bound(column.output.begin(), column.output.end(), first);
+        for (auto output = begin; output != column.output.end() && *output < first + count; ++output) {
+            const auto k = static_cast<Eigen::Index>(output - column.output.begin());
+            result.middleRows<6>(6L * (*output - first)) += column.value.col(k) * value + column.slope.col(k) * slope;
         }
         const RowMatrix mean = column.value_mean * value + column.slope_mean * slope;
-        for (int n = 0; n < equations.outputs; ++n) result.middleRows<6>(6L * n) -= mean;
+        for (int n = 0; n < count; ++n) result.middleRows<6>(6L * n) -= mean;
     }
     return result;
 }

@@ -52,6 +52,8 @@ public:
 
     /// All columns · `combination` for one run (gram() columns × any number of vectors): 6 outputs × that number.
     RowMatrix apply(std::size_t run, const Eigen::MatrixXd& combination) const;
+    /// Of `count` outputs from `first` on.
+    RowMatrix apply(std::size_t run, const Eigen::MatrixXd& combination, int first, int count) const;
     const StopColumn& stopColumn(std::size_t run, std::size_t stop) const { return columns_[run][stop]; }
 
 private:

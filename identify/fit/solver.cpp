@@ -316,10 +316,14 @@ Eigen::VectorXd Solver::calcResidual(std::size_t run) const {
     return equations_.apply(run, equations_.makeCoefficients(model_));
 }
 
-RowMatrix Solver::calcSensitivity(std::size_t run, const LinearSystem& system) const {
+Eigen::MatrixXd Solver::makeSensitivityColumns(const LinearSystem& system) const {
     std::vector<Parameter> taking_part;
     for (const int p : system.parameters) taking_part.push_back(parameters_[static_cast<std::size_t>(p)]);
-    return equations_.apply(run, equations_.makeJacobian(model_, taking_part) * system.scale.asDiagonal());
+    return equations_.makeJacobian(model_, taking_part) * system.scale.asDiagonal();
+}
+
+RowMatrix Solver::calcSensitivity(std::size_t run, const LinearSystem& system) const {
+    return equations_.apply(run, makeSensitivityColumns(system));
 }
 
 double Solver::findNoticedClearance(const StopTerm& term) {

@@ -39,6 +39,8 @@ public:
     LinearSystem linearise() const { return makeSystem(true); }
     /// Derivative of the residual of run `run` to the parameters of `system` (scaled): rows 6 n + e.
     RowMatrix calcSensitivity(std::size_t run, const LinearSystem& system) const;
+    /// The columns of the equations that make up that derivative: equations().apply() of it, of some outputs.
+    Eigen::MatrixXd makeSensitivityColumns(const LinearSystem& system) const;
     Eigen::VectorXd calcResidual(std::size_t run) const;
     /// Sum of squares of the whitened residual, and the part of it that the channels' noise explains on average.
     double calcResidualSquares() const;

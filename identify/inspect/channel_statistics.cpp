@@ -28,19 +28,26 @@ void findBand(ChannelStatistics& statistics) {
 
 }  // namespace
 
-void ChannelLevels::add(const Channel& channel, double interval) {
-    const Eigen::Map<const Eigen::VectorXd> signal(channel.values.data(),
-                                                   static_cast<Eigen::Index>(channel.values.size()));
-    const bool is_first = count_ == 0;
-    name_ = channel.name;
+void ChannelLevels::addMoments(const Eigen::Ref<const Eigen::VectorXd>& signal) {
+    if (signal.size() == 0) return;
     const auto count = static_cast<double>(signal.size());
     const double mean = signal.mean(), away = mean - mean_;
     squares_ += (signal.array() - mean).square().sum() + away * away * count_ * count / (count_ + count);
     mean_ += away * count / (count_ + count);
     count_ += count;
+}
+
+void ChannelLevels::add(const Channel& channel, double interval) {
+    const Eigen::Map<const Eigen::VectorXd> signal(channel.values.data(),
+                                                   static_cast<Eigen::Index>(channel.values.size()));
+    const bool is_first = count_ == 0;
+    name_ = channel.name;
+    addMoments(signal.tail(signal.size() - (is_first ? 0 : 1)));
+    const auto count = static_cast<double>(signal.size());
     lowest_ = is_first ? signal.minCoeff() : std::min(lowest_, signal.minCoeff());
     highest_ = is_first ? signal.maxCoeff() : std::max(highest_, signal.maxCoeff());
     noise_power_ += count * std::pow(estimateNoiseFromSignal(signal), 2);
+    noise_samples_ += count;
     if (!(interval > 0)) return;
     Spectrum spectrum = calcSpectrum(signal, interval, segment);
     if (is_first) {
@@ -63,7 +70,7 @@ ChannelStatistics ChannelLevels::finish() const {
     statistics.lowest = lowest_;
     statistics.highest = highest_;
     statistics.rms = std::sqrt(squares_ / count_);
-    statistics.noise = std::sqrt(noise_power_ / count_);
+    statistics.noise = std::sqrt(noise_power_ / noise_samples_);
     statistics.signal_to_noise = statistics.noise > 0 ? 20 * std::log10(statistics.rms / statistics.noise)
                                                       : std::numeric_limits<double>::infinity();
     if (spectrum_samples_ > 0) {

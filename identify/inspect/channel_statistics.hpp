@@ -2,6 +2,7 @@
 /// Levels of one channel.
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -23,17 +24,20 @@ struct ChannelStatistics {
 /// Levels of a channel that comes in blocks, in memory that does not depend on their number.
 class ChannelLevels {
 public:
+    /// @param channel of at least one sample; after the first block its first sample is the last of the block before
     /// @param interval s; 0 where it is not known
     void add(const Channel& channel, double interval);
     /// The noise is the root mean square of the blocks' own.
     ChannelStatistics finish() const;
 
 private:
+    void addMoments(const Eigen::Ref<const Eigen::VectorXd>& signal);
+
     std::string name_;
     double count_ = 0, mean_ = 0, squares_ = 0;  // squares about the mean
     double lowest_ = 0, highest_ = 0;
-    double noise_power_ = 0;  // sum over samples
-    Spectrum spectrum_;       // density: sum over samples
+    double noise_power_ = 0, noise_samples_ = 0;  // sum over samples
+    Spectrum spectrum_;                           // density: sum over samples
     double spectrum_samples_ = 0;
 };
 

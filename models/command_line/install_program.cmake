@@ -19,9 +19,10 @@ function(wems_install_program program)
       string(JOIN "-" page ${name} ${command})
       string(JOIN " " call ${folder}/bin/${name} ${command})
       add_custom_command(OUTPUT ${folder}/${page}.1
-        COMMAND ${HELP2MAN} --no-info --version-string=${PROJECT_VERSION} --source=WEMS --name=${PROJECT_DESCRIPTION}
-                --output=${folder}/${page}.1 ${call}
-        DEPENDS ${folder}/completions/${name} COMMENT "Manual page of ${page}" VERBATIM)
+        COMMAND ${CMAKE_COMMAND} -DHELP2MAN=${HELP2MAN} -DCALL=${call} -DVERSION=${PROJECT_VERSION}
+                -DOUTPUT=${folder}/${page}.1 -P ${PROJECT_SOURCE_DIR}/models/command_line/make_manual.cmake
+        DEPENDS ${folder}/completions/${name} ${PROJECT_SOURCE_DIR}/models/command_line/make_manual.cmake
+        COMMENT "Manual page of ${page}" VERBATIM)
       list(APPEND documents ${folder}/${page}.1)
       install(FILES ${folder}/${page}.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
     endforeach()

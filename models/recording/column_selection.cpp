@@ -28,7 +28,7 @@ public:
         checkMapUsed();
         const bool numbered = map_ != nullptr && !map_->has_time;
         if (!numbered && names_.count(kTime) == 0) {
-            throw InputError({file_, header_row_, kTime}, "there is no time column",
+            throw InputError({file_, header_row_, kTime}, "there is no time column; there are " + listTexts(),
                              "`time [s]`, or a column map that names it or says time = \"none\"");
         }
         const bool has_channel = std::any_of(selection_.columns.begin(), selection_.columns.end(),

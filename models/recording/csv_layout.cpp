@@ -80,11 +80,6 @@ bool isNumber(std::string_view text) {
     return false;
 }
 
-bool isBlank(std::string_view row, char separator) {
-    const std::array<char, 4> blank = {' ', '\t', '\r', separator};
-    return row.find_first_not_of(std::string_view(blank.data(), blank.size())) == std::string_view::npos;
-}
-
 /// `[mm]` or `(mm)` without its brackets.
 std::string stripBrackets(const std::string& text) {
     const bool bracketed = text.size() >= 2 &&
@@ -191,7 +186,7 @@ private:
         for (int count = 0; count < kMostRows; ++count) {
             std::string_view ahead = rest_;
             const auto row = takeRow(ahead);
-            if (isBlank(row, layout_.separator) || !splitCsvRow(row, layout_.separator, fields)) return;
+            if (isBlankCsv(row, layout_.separator) || !splitCsvRow(row, layout_.separator, fields)) return;
             if (std::any_of(fields.begin(), fields.end(), isNumber)) return;
             if (ahead.find_first_not_of(" \t\r\n") == std::string_view::npos) return;  // bad data, not units
             if (layout_.units.empty() && holdsUnits(fields)) {
@@ -269,6 +264,11 @@ CsvLayout readCsvLayout(std::string_view text, const std::string& file, const Co
     constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
     if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) text.remove_prefix(kByteOrderMark.size());
     return LayoutReader(text, file, map).read();
+}
+
+bool isBlankCsv(std::string_view text, char separator) {
+    const std::array<char, 5> blank = {' ', '\t', '\r', '\n', separator};
+    return text.find_first_not_of(std::string_view(blank.data(), blank.size())) == std::string_view::npos;
 }
 
 }  // namespace wems

@@ -36,6 +36,9 @@ CsvLayout readCsvLayout(std::string_view text, const std::string& file, const Co
 /// not closed.
 bool splitCsvRow(std::string_view row, char separator, std::vector<std::string>& fields);
 
+/// True if there is nothing but separators, spaces, tabs and line ends.
+bool isBlankCsv(std::string_view text, char separator);
+
 /// `text` without spaces, tabs and a carriage return at its ends.
 std::string_view trimCsvField(std::string_view text);
 

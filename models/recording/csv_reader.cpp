@@ -65,14 +65,14 @@ CsvPlan planCsv(std::string_view text, const std::string& file, const ColumnMap*
     return plan;
 }
 
-std::size_t appendRows(CsvPlan& plan) {
-    readCsvBody(plan.layout, plan.recording.file, plan.columns);
+std::size_t appendRows(CsvPlan& plan, Recording& recording) {
+    readCsvBody(plan.layout, recording.file, plan.columns);
     const std::size_t rows = plan.columns.front().values.size();
     std::size_t next = 0;
     for (auto& column : plan.columns) {
-        if (column.has_non_finite) checkFinite(column, plan.recording.file, plan.layout.first_row);
+        if (column.has_non_finite) checkFinite(column, recording.file, plan.layout.first_row);
         column.has_non_finite = false;
-        append(column.values, column.name == kTime ? plan.recording.time : plan.recording.channels[next++].values);
+        append(column.values, column.name == kTime ? recording.time : recording.channels[next++].values);
     }
     return rows;
 }
@@ -81,7 +81,7 @@ Recording parseRecording(std::string_view text, const std::string& file, const C
     // Spreadsheets' "Unicode text".
     if (const std::string decoded = decodeUtf16(text); !decoded.empty()) return parseRecording(decoded, file, map);
     CsvPlan plan = planCsv(text, file, map);
-    appendRows(plan);
+    appendRows(plan, plan.recording);
     finishRecording(plan.recording, map, false);
     return std::move(plan.recording);
 }

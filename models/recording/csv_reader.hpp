@@ -31,9 +31,9 @@ struct CsvPlan {
 /// @throws InputError: no header, no channel, no time, a unit that is unknown or missing
 CsvPlan planCsv(std::string_view text, const std::string& file, const ColumnMap* map);
 
-/// Parses the rows of `plan.layout.body`, the first of which is row `first_row` of the file, and appends them to the
-/// recording. Returns their number.
+/// Parses the rows of `plan.layout.body`, the first of which is row `first_row` of the file, and appends them to
+/// `recording`, which has the plan's channels. Returns their number.
 /// @throws InputError as readCsvBody(); a row without time, a value that is too large
-std::size_t appendRows(CsvPlan& plan);
+std::size_t appendRows(CsvPlan& plan, Recording& recording);
 
 }  // namespace wems

@@ -117,6 +117,7 @@ private:
 
     MatValue readGroup(hid_t group, int depth) {
         MatValue value;
+        if (H5Aexists(group, "MATLAB_sparse") > 0) return value;
         value.kind = MatValue::Kind::structs;
         MatValue fields = readFields(group, depth);
         // An array of structures: every field is a list of references, which are no cells.

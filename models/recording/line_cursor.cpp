@@ -99,13 +99,17 @@ std::vector<std::string_view> splitFields(std::string_view line) {
     }
 }
 
-std::vector<std::vector<double>> readNumberRows(LineCursor& lines, std::size_t columns, const std::string& file) {
+std::vector<std::vector<double>> readNumberRows(LineCursor& lines, std::size_t columns, const std::string& file,
+                                                std::size_t most) {
     std::vector<std::vector<double>> values(columns);
     RowParser parser(file, columns);
-    while (!lines.atEnd()) {
+    for (std::size_t rows = 0; rows < most && !lines.atEnd(); ++rows) {
         const auto line = lines.take();
         if (trim(line).empty()) {
-            if (trim(lines.rest()).find_first_not_of('\n') == std::string_view::npos) break;
+            if (trim(lines.rest()).find_first_not_of('\n') == std::string_view::npos) {
+                lines.skip(lines.rest().size());
+                break;
+            }
             throw InputError({file, lines.line(), {}}, "blank row inside the data");
         }
         const auto& row = parser.parse(line, lines.line());

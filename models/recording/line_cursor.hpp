@@ -33,7 +33,9 @@ std::vector<std::string_view> splitFields(std::string_view line);
 /// Rows of numbers up to the end of the text into columns; an empty field or `nan` becomes NaN. A field may hold
 /// several numbers separated by commas, as OpenSim writes vectors.
 /// @param columns how many numbers there are in a row; empty fields at the end may be missing
+/// @param most rows that are read; the cursor then stands at the next one
 /// @throws InputError with file and line: not a number, a row of another length.
-std::vector<std::vector<double>> readNumberRows(LineCursor& lines, std::size_t columns, const std::string& file);
+std::vector<std::vector<double>> readNumberRows(LineCursor& lines, std::size_t columns, const std::string& file,
+                                                std::size_t most = static_cast<std::size_t>(-1));
 
 }  // namespace wems

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "models/error.hpp"
+#include "models/recording/inflate.hpp"
 
 namespace wems {
 namespace {
@@ -43,9 +44,10 @@ private:
     }
 
     [[noreturn]] void fail(std::size_t at) const {
-        throw InputError({file_, 0, {}},
-                         "is damaged or cut off: what stands at byte " + std::to_string(at) + " reaches beyond its end",
-                         "a complete MATLAB file");
+        throw InputError(
+            {file_, 0, {}},
+            "is damaged or cut off: what stands at byte " + std::to_string(at) + place_ + " reaches beyond its end",
+            "a complete MATLAB file");
     }
 
     Element readTag(std::size_t at, std::size_t end) const {
@@ -66,7 +68,21 @@ private:
     Element checkElement(std::size_t at, std::size_t end, int depth) const {
         const Element element = readTag(at, end);
         if (element.type == kMatrix && element.size > 0 && depth < kDeepest) checkArray(element, depth);
+        if (element.type == kCompressed) checkCompressed(element);
         return element;
+    }
+
+    /// A variable alone, which may claim more than its stream holds.
+    void checkCompressed(const Element& element) const {
+        const Inflated inflated = inflateAll(content_.substr(element.begin, element.size));
+        ExtentCheck inside(inflated.plain, file_);
+        inside.swapped_ = swapped_;
+        inside.place_ = " of the variable compressed at byte " + std::to_string(element.begin);
+        if (!inflated.complete)
+            throw InputError({file_, 0, {}},
+                             "the variable compressed at byte " + std::to_string(element.begin) + " is damaged",
+                             "a complete MATLAB file");
+        if (inside.readTag(0, inflated.plain.size()).type == kMatrix) inside.checkElement(0, inflated.plain.size(), 0);
     }
 
     void checkArray(const Element& array, int depth) const {
@@ -109,6 +125,7 @@ private:
 
     std::string_view content_;
     const std::string& file_;
+    std::string place_;  // of the content in the file, if it is not the file itself
     bool swapped_ = false;
 };
 

@@ -176,9 +176,13 @@ MatFile readMatFile(const std::string& file) {
         const std::unique_ptr<matvar_t, VariableFreer> variable(Mat_VarReadNext(handle.get()));
         if (!variable) break;
         const std::string name = variable->name != nullptr ? variable->name : "";
+        if (name.empty()) {  // an object, or MATLAB's own store of what objects and functions hold
+            result.has_objects = true;
+            continue;
+        }
         result.root.fields.emplace_back(name, convert(variable.get(), 0));
     }
-    if (result.root.fields.empty())
+    if (result.root.fields.empty() && !result.has_objects)
         throw InputError({file, 0, {}}, "no variable can be read from this MATLAB file; is it damaged?",
                          "numeric arrays and structures, saved with -v7 or -v7.3");
     return result;

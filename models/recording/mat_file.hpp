@@ -28,8 +28,9 @@ struct MatValue {
 };
 
 struct MatFile {
-    std::string version;  ///< `MATLAB 4`, `MATLAB 5`, `MATLAB 7.3`, `HDF5`
-    MatValue root;        ///< its fields are the variables
+    std::string version;       ///< `MATLAB 4`, `MATLAB 5`, `MATLAB 7.3`, `HDF5`
+    MatValue root;             ///< its fields are the variables that have names
+    bool has_objects = false;  ///< beside them are variables of MATLAB's newer classes, which are not read
 };
 
 /// Reads every variable of a file of version 4 or 5 (matio). Version 7.3 is HDF5: readHdf5File().

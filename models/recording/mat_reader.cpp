@@ -176,13 +176,15 @@ RecordingTable readMat(const std::string& file, bool hdf5) {
     table.format = content.version;
     table.missing_unit = MissingUnit::own_names;
     TableMaker maker(table);
-    const MatValue& first = content.root.fields.front().second;
-    if (content.root.fields.size() == 1 && first.kind == Kind::structs && first.elements.size() == 1) {
-        maker.addContainer(first.elements.front(), "");
+    const auto& variables = content.root.fields;
+    const MatValue* only = variables.size() == 1 ? &variables.front().second : nullptr;
+    if (only != nullptr && only->kind == Kind::structs && only->elements.size() == 1) {
+        maker.addContainer(only->elements.front(), "");
     } else {
         maker.addContainer(content.root, "");
     }
     maker.finish();
+    if (content.has_objects) table.warnings.emplace_back("objects and what functions hold are not read");
     if (table.columns.empty())
         throw InputError({file, 0, {}}, "holds no numeric vector or matrix that can be read",
                          "numeric arrays and structures; MATLAB's table and timeseries objects must be saved as "

@@ -95,12 +95,11 @@ bool isStorage(std::string_view text) {
     return false;
 }
 
-RecordingTable readTrc(std::string_view text, const std::string& file) {
+RecordingTable readTrcHeader(LineCursor& lines, const std::string& file) {
     RecordingTable table;
     table.file = file;
     table.format = "OpenSim .trc";
     table.positions = true;
-    LineCursor lines(text);
     const auto path = splitFields(lines.take());
     if (path.size() >= 3 && path[2] != "(X/Y/Z)")
         throw InputError({file, 1, "PathFileType"}, "the order of the axes is '" + std::string(path[2]) + "'",
@@ -117,16 +116,14 @@ RecordingTable readTrc(std::string_view text, const std::string& file) {
     while (!lines.atEnd() && trimLine(lines.rest().substr(0, lines.rest().find('\n'))).empty()) lines.take();
     table.first_row = lines.line() + 1;
     if (lines.atEnd()) throw InputError({file, lines.line(), {}}, "no data rows after the header");
-    table.values = readNumberRows(lines, table.columns.size(), file);
     return table;
 }
 
-RecordingTable readStorage(std::string_view text, const std::string& file) {
+RecordingTable readStorageHeader(LineCursor& lines, const std::string& file) {
     RecordingTable table;
     table.file = file;
     table.format = "OpenSim .sto";
     table.missing_unit = MissingUnit::si;
-    LineCursor lines(text);
     std::string type;
     for (;;) {
         if (lines.atEnd()) throw InputError({file, 0, {}}, "there is no line `endheader`");
@@ -144,6 +141,19 @@ RecordingTable readStorage(std::string_view text, const std::string& file) {
     readLabels(labels, type, table);
     if (table.metadata["units"] == "SI") stateUnits(table);
     table.first_row = lines.line() + 1;
+    return table;
+}
+
+RecordingTable readTrc(std::string_view text, const std::string& file) {
+    LineCursor lines(text);
+    RecordingTable table = readTrcHeader(lines, file);
+    table.values = readNumberRows(lines, table.columns.size(), file);
+    return table;
+}
+
+RecordingTable readStorage(std::string_view text, const std::string& file) {
+    LineCursor lines(text);
+    RecordingTable table = readStorageHeader(lines, file);
     table.values = readNumberRows(lines, table.columns.size(), file);
     return table;
 }

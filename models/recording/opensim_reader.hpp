@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 
+#include "models/recording/line_cursor.hpp"
 #include "models/recording/recording_table.hpp"
 
 namespace wems {
@@ -21,6 +22,12 @@ namespace wems {
 bool isTrc(std::string_view text);
 bool isStorage(std::string_view text);
 
+/// What stands before the rows; `lines` is left at the first one.
+/// @throws InputError with file and line
+RecordingTable readTrcHeader(LineCursor& lines, const std::string& file);
+RecordingTable readStorageHeader(LineCursor& lines, const std::string& file);
+
+/// Header and rows.
 /// @throws InputError with file and line
 RecordingTable readTrc(std::string_view text, const std::string& file);
 RecordingTable readStorage(std::string_view text, const std::string& file);

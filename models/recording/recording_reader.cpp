@@ -1,19 +1,19 @@
 #include "models/recording/recording_reader.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
 
 #include "models/error.hpp"
 #include "models/recording/csv_reader.hpp"
+#include "models/recording/csv_rows.hpp"
 #include "models/recording/mat_extent.hpp"
 #include "models/recording/mat_reader.hpp"
-#include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_table.hpp"
 #include "models/recording/text_file.hpp"
-#include "models/recording/uff_reader.hpp"
+#include "models/recording/text_formats.hpp"
+#include "models/recording/utf8.hpp"
 
 namespace wems {
 namespace {
@@ -33,36 +33,20 @@ bool isHdf5(std::string_view text) {
 
 /// How a file begins whose name promises another format than CSV; nullptr if it does not.
 const char* findPromise(const std::string& extension) {
-    struct Promise {
-        const char* extension;
-        const char* beginning;
-    };
-    constexpr std::array<Promise, 7> kPromises = {{{".trc", "a line that begins with PathFileType"},
-                                                   {".sto", "a header that ends with the line endheader"},
-                                                   {".mot", "a header that ends with the line endheader"},
-                                                   {".uff", "a line -1, then a line with a dataset's number"},
-                                                   {".unv", "a line -1, then a line with a dataset's number"},
-                                                   {".h5", "an HDF5 file"},
-                                                   {".hdf5", "an HDF5 file"}}};
-    for (const auto& promise : kPromises)
-        if (extension == promise.extension) return promise.beginning;
+    if (extension == ".h5" || extension == ".hdf5") return "an HDF5 file";
+    for (const TextFormat& format : textFormats())
+        if (std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end())
+            return format.beginning;
     return nullptr;
 }
 
-enum class Format { hdf5, mat, trc, uff, storage, csv };
+enum class Format { hdf5, mat, text, csv };
 
 /// From the beginning of a file, without byte-order mark.
 Format findFormat(std::string_view text, const std::string& extension) {
     if (isHdf5(text)) return Format::hdf5;
     if (text.substr(0, 10) == "MATLAB 5.0" || extension == ".mat") return Format::mat;
-    if (isTrc(text)) return Format::trc;
-    if (isUniversalFile(text)) return Format::uff;
-    return isStorage(text) ? Format::storage : Format::csv;
-}
-
-std::string_view skipByteOrderMark(std::string_view text) {
-    if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
-    return text;
+    return findTextFormat(text) != nullptr ? Format::text : Format::csv;
 }
 
 }  // namespace
@@ -77,12 +61,8 @@ Recording readRecording(const std::string& file, const ColumnMap* map) {
         case Format::mat:
             checkMatExtent(text, file);
             return makeRecording(readMat(file, false), map);
-        case Format::trc:
-            return makeRecording(readTrc(text, file), map);
-        case Format::uff:
-            return makeRecording(readUniversalFile(text, file), map);
-        case Format::storage:
-            return makeRecording(readStorage(text, file), map);
+        case Format::text:
+            return makeRecording(findTextFormat(text)->read(text, file), map);
         case Format::csv:
             break;
     }
@@ -91,17 +71,52 @@ Recording readRecording(const std::string& file, const ColumnMap* map) {
     return parseRecording(text, file, map);
 }
 
-bool isPlainCsv(const std::string& file) {
+namespace {
+
+/// The beginning of a file on disk; empty where there is none.
+std::string readHead(const std::string& file) {
     std::error_code status;
-    if (!std::filesystem::is_regular_file(file, status)) return false;
+    if (!std::filesystem::is_regular_file(file, status)) return {};
     std::ifstream input(file, std::ios::binary);
     std::string head(65536, '\0');
     input.read(head.data(), static_cast<std::streamsize>(head.size()));
     head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, input.gcount())));
+    return head;
+}
+
+}  // namespace
+
+bool isStreamable(const std::string& file) {
+    const std::string head = readHead(file);
     const std::string_view text = skipByteOrderMark(head);
-    const bool utf16 = text.substr(0, 2) == "\xFF\xFE" || text.substr(0, 2) == "\xFE\xFF";
+    if (text.empty()) return false;
     const std::string extension = findExtension(file);
-    return !text.empty() && !utf16 && findPromise(extension) == nullptr && findFormat(text, extension) == Format::csv;
+    switch (findFormat(text, extension)) {
+        case Format::text:
+            return true;
+        case Format::csv:
+            break;
+        case Format::hdf5:
+        case Format::mat:
+            return false;
+    }
+    const bool utf16 = text.substr(0, 2) == "\xFF\xFE" || text.substr(0, 2) == "\xFE\xFF";
+    return !utf16 && findPromise(extension) == nullptr;
+}
+
+std::unique_ptr<RowSource> openRows(const std::string& file, const ColumnMap* map) {
+    const std::string head = readHead(file);
+    const std::string_view text = skipByteOrderMark(head);
+    switch (findFormat(text, findExtension(file))) {
+        case Format::text:
+            return findTextFormat(text)->open(file, map);
+        case Format::hdf5:
+        case Format::mat:
+            throw InputError({file, 0, {}}, "a MATLAB or HDF5 file is not read in blocks", "CSV, UFF 58, OpenSim");
+        case Format::csv:
+            break;
+    }
+    return std::make_unique<CsvRows>(file, map);
 }
 
 }  // namespace wems

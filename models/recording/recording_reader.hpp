@@ -1,6 +1,5 @@
 /// @file
-/// Recordings from files of any format that is read: CSV, MATLAB 5 and 7.3 (HDF5), universal file 58, OpenSim .trc,
-/// .sto, .mot.
+/// Recordings from files of any format that is read; the folder's README describes each.
 #pragma once
 
 #include <string>
@@ -10,14 +9,17 @@
 
 namespace wems {
 
+/// For the helps of commands.
+inline constexpr const char* kReadableFormats = "CSV, MATLAB, UFF 58, OpenSim";
+
 /// Finds the format from the content, converts to SI, checks and repairs (recording_checks.hpp); every value of the
 /// result is finite and time strictly increases. What was found odd or repaired stands in `warnings`.
 /// @param map the laboratory's own column names, may be null
 /// @throws InputError with file, row and column name.
 Recording readRecording(const std::string& file, const ColumnMap* map = nullptr);
 
-/// True if `file` is a CSV file on disk that RecordingStream reads: any but UTF-16. Never throws; what is wrong with a
-/// file is readRecording()'s to say.
-bool isPlainCsv(const std::string& file);
+/// True if `file` is a file on disk that RecordingStream reads: CSV (but UTF-16), universal file 58, OpenSim's. Never
+/// throws; what is wrong with a file is readRecording()'s to say.
+bool isStreamable(const std::string& file);
 
 }  // namespace wems

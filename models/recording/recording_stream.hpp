@@ -2,18 +2,16 @@
 /// A recording that is too long for memory, in blocks of consecutive rows.
 #pragma once
 
-#include <algorithm>
-#include <fstream>
+#include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "models/recording/csv_reader.hpp"
 #include "models/recording/recording_table.hpp"
+#include "models/recording/row_source.hpp"
 
 namespace wems {
 
-/// Reads a CSV file (isPlainCsv) front to back, a few megabytes of it in memory at a time.
+/// Reads a file (isStreamable) front to back, a few megabytes of it in memory at a time.
 ///
 /// Each block is a recording of its own, converted, checked and repaired as readRecording() does with a whole one, but
 /// that it begins with the last row of the block before, so that gaps, repeated stamps and stamps that go back are seen
@@ -28,22 +26,18 @@ public:
     RecordingStream(const std::string& file, const ColumnMap* map, std::size_t block_rows);
 
     /// Names and units of the channels, no values.
-    const Recording& header() const { return header_; }
+    const Recording& header() const { return source_->header(); }
     /// Samples of the whole recording, from the length of its first rows.
-    double expectedSamples() const { return expected_samples_; }
+    double expectedSamples() const { return source_->expectedSamples(); }
 
     /// Part of the expected samples that the blocks so far hold, at most 1.
-    double fractionRead() const {
-        return std::min(1.0, static_cast<double>(state_.first_sample + 1) / expected_samples_);
-    }
+    double fractionRead() const;
 
     /// The next block; false after the last one. Notes on the header come with the first block.
     /// @throws InputError as readRecording(); a channel that has values in some blocks only
     bool next(Recording& block);
 
 private:
-    std::string_view readRows();
-    void parseRows();
     std::size_t pendingRows() const;
     void cutBlock(std::size_t rows, Recording& block);
     void checkSameChannels(const Recording& block);
@@ -51,15 +45,9 @@ private:
     std::string file_;
     const ColumnMap* map_;
     std::size_t block_rows_;
-    std::ifstream input_;
-    std::string text_;             // read and not yet parsed
-    std::size_t parsed_text_ = 0;  // bytes of text_ that were
-    CsvPlan plan_;                 // its recording holds the rows that no block has had yet, and the last one of those
-    Recording header_;
+    std::unique_ptr<RowSource> source_;
+    Recording pending_;  // the rows that no block has had yet, and the last one of those that had
     BlockState state_;
-    double expected_samples_ = 0;
-    bool at_end_ = false;     // of the file
-    bool past_rows_ = false;  // a blank row was read: no more may follow
     bool is_first_ = true;
     std::vector<std::string> channels_;  // of the first block
 };

@@ -11,9 +11,11 @@ namespace wems {
 namespace {
 
 /// Empty fields are left to the repair, but for time.
-void checkValues(const std::vector<double>& values, const std::string& name, const Recording& recording) {
+void checkValues(const std::vector<double>& values, const std::string& name, const Recording& recording,
+                 std::size_t before) {
     for (std::size_t i = 0; i < values.size(); ++i) {
-        const InputLocation location{recording.file, recording.first_row + static_cast<long>(i), name};
+        if (std::isfinite(values[i])) continue;
+        const InputLocation location{recording.file, recording.first_row + static_cast<long>(before + i), name};
         if (std::isinf(values[i])) throw InputError(location, "the value is not finite");
         if (name == "time" && std::isnan(values[i])) throw InputError(location, "the row has no time");
     }
@@ -90,9 +92,10 @@ void finishRecording(Recording& recording, const ColumnMap* map, bool positions)
     finishBlock(recording, map, positions, alone);
 }
 
-Recording makeRecording(RecordingTable table, const ColumnMap* map) {
+TablePlan planTable(RecordingTable& table, const ColumnMap* map) {
     ColumnSelection selection = selectColumns(table.columns, table.file, table.header_row, map, table.missing_unit);
-    Recording recording;
+    TablePlan plan;
+    Recording& recording = plan.recording;
     recording.file = std::move(table.file);
     recording.format = std::move(table.format);
     recording.metadata = std::move(table.metadata);
@@ -102,32 +105,52 @@ Recording makeRecording(RecordingTable table, const ColumnMap* map) {
     if (!selection.without_unit.empty())
         recording.warnings.push_back("the file states no unit of " + joinNames(selection.without_unit) +
                                      "; SI is assumed");
+    for (const auto& column : selection.columns) {
+        if (column.name == kTime) continue;
+        recording.channels.push_back({column.name, column.unit, {}, static_cast<int>(column.index) + 1});
+    }
+    plan.columns = std::move(selection.columns);
+    plan.positions = table.positions;
+    return plan;
+}
+
+void appendValues(const TablePlan& plan, std::size_t k, std::vector<double> values, Recording& recording) {
+    const SelectedColumn& column = plan.columns[k];
+    std::size_t channel = 0;
+    for (std::size_t j = 0; j < k; ++j) channel += plan.columns[j].name == kTime ? 0U : 1U;
+    std::vector<double>& target = column.name == kTime ? recording.time : recording.channels[channel].values;
+    for (double& value : values) value = column.scale * value + column.offset;
+    checkValues(values, column.name, recording, target.size());
+    if (target.empty()) {
+        target = std::move(values);
+    } else {
+        target.insert(target.end(), values.begin(), values.end());
+    }
+}
+
+Recording makeRecording(RecordingTable table, const ColumnMap* map) {
+    TablePlan plan = planTable(table, map);
+    Recording& recording = plan.recording;
     const auto findLength = [&] {
-        for (const auto& column : selection.columns)
-            if (column.name == "time") return table.values[column.index].size();
-        return table.values[selection.columns.front().index].size();
+        for (const auto& column : plan.columns)
+            if (column.name == kTime) return table.values[column.index].size();
+        return table.values[plan.columns.front().index].size();
     };
     const std::size_t length = findLength();
-    for (const auto& column : selection.columns) {
-        std::vector<double> values = std::move(table.values[column.index]);
+    for (std::size_t k = 0; k < plan.columns.size(); ++k) {
+        const SelectedColumn& column = plan.columns[k];
+        std::vector<double>& values = table.values[column.index];
         if (values.size() != length) {
             throw InputError({recording.file, 0, column.name},
                              "has " + std::to_string(values.size()) + " values, the time has " + std::to_string(length),
                              "channels of one length; a column map can choose among them, and `identify merge` puts "
                              "recordings of different rates together");
         }
-        for (double& value : values) value = column.scale * value + column.offset;
-        checkValues(values, column.name, recording);
-        if (column.name == "time") {
-            recording.time = std::move(values);
-        } else {
-            recording.channels.push_back(
-                {column.name, column.unit, std::move(values), static_cast<int>(column.index) + 1});
-        }
+        appendValues(plan, k, std::move(values), recording);
     }
     if (length == 0) throw InputError({recording.file, table.header_row, {}}, "there are no samples");
-    finishRecording(recording, map, table.positions);
-    return recording;
+    finishRecording(recording, map, plan.positions);
+    return std::move(plan.recording);
 }
 
 }  // namespace wems

@@ -25,6 +25,19 @@ struct RecordingTable {
     std::vector<std::string> warnings;
 };
 
+/// The recording that a table becomes, as far as its header tells.
+struct TablePlan {
+    Recording recording;                  ///< names and units
+    std::vector<SelectedColumn> columns;  ///< time and channels, in the table's order
+    bool positions = false;               ///< as RecordingTable
+};
+/// @throws InputError as selectColumns()
+TablePlan planTable(RecordingTable& table, const ColumnMap* map);
+
+/// Converts further values of column `k` of the plan to SI and appends them to `recording`.
+/// @throws InputError: an infinite value, a row without time
+void appendValues(const TablePlan& plan, std::size_t k, std::vector<double> values, Recording& recording);
+
 /// Selects, converts to SI, checks and repairs (recording_checks.hpp).
 /// @throws InputError
 Recording makeRecording(RecordingTable table, const ColumnMap* map);

@@ -44,7 +44,7 @@ std::string readAll(int descriptor, const std::string& file) {
 
 }  // namespace
 
-TextFile::TextFile(const std::string& file) {
+TextFile::TextFile(const std::string& file, Pages pages) {
     const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
     if (descriptor.get() < 0) {
         throw InputError({file, 0, {}}, errno == ENOENT
@@ -57,7 +57,8 @@ TextFile::TextFile(const std::string& file) {
     if (S_ISDIR(status.st_mode)) throw InputError({file, 0, {}}, "is a directory, not a file");
     if (S_ISREG(status.st_mode) && status.st_size > 0) {
         const auto size = static_cast<std::size_t>(status.st_size);
-        void* mapping = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, descriptor.get(), 0);
+        const int flags = MAP_PRIVATE | (pages == Pages::all ? MAP_POPULATE : 0);
+        void* mapping = ::mmap(nullptr, size, PROT_READ, flags, descriptor.get(), 0);
         if (mapping != MAP_FAILED) {
             mapping_ = mapping;
             view_ = {static_cast<const char*>(mapping), size};
@@ -67,6 +68,10 @@ TextFile::TextFile(const std::string& file) {
     copy_ = readAll(descriptor.get(), file);
     view_ = copy_;
     if (view_.empty()) throw InputError({file, 0, {}}, "the file is empty");
+}
+
+void TextFile::release() const {
+    if (mapping_ != nullptr) ::madvise(mapping_, view_.size(), MADV_DONTNEED);
 }
 
 TextFile::~TextFile() {

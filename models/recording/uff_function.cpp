@@ -1,16 +1,12 @@
 #include "models/recording/uff_function.hpp"
 
-#include <fast_float/fast_float.h>
-
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
 #include <cstdlib>
-#include <cstring>
 
 #include "models/error.hpp"
+#include "models/recording/uff_numbers.hpp"
 
 namespace wems {
 namespace {
@@ -18,33 +14,11 @@ namespace {
 constexpr int kTimeAbscissa = 17;
 constexpr std::size_t kMostPoints = std::size_t{1} << 33;
 
-/// Fortran writes exponents with E, D, or no letter at all (1.0-100); fast_float knows the first.
-bool parseReal(std::string_view text, double& value) {
-    if (text.empty()) return false;
-    if (text.front() == '+') text.remove_prefix(1);
-    const auto result = fast_float::from_chars(text.data(), text.data() + text.size(), value);
-    if (result.ec == std::errc() && result.ptr == text.data() + text.size()) return true;
-    std::string spelled;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        const bool sign = c == '+' || c == '-';
-        if (c == 'D' || c == 'd') {
-            spelled += 'e';
-        } else if (sign && i > 0 && std::isdigit(static_cast<unsigned char>(text[i - 1])) != 0) {
-            spelled.append("e").append(1, c);
-        } else {
-            spelled += c;
-        }
-    }
-    const auto again = fast_float::from_chars(spelled.data(), spelled.data() + spelled.size(), value);
-    return again.ec == std::errc() && again.ptr == spelled.data() + spelled.size();
-}
-
 double readReal(std::string_view line, std::size_t from, std::size_t width, const std::string& file, long line_number) {
     const auto text = uffField(line, from, width);
     double value = 0;
     if (text.empty()) return 0;
-    if (!parseReal(text, value))
+    if (!parseUffReal(text, value))
         throw InputError({file, line_number, {}}, "'" + std::string(text) + "' is not a number");
     return value;
 }
@@ -53,103 +27,8 @@ std::string withoutNone(std::string_view text) {
     return text == "NONE" ? std::string() : std::string(text);
 }
 
-/// Shape of the numbers: what stands for each point, in which order.
-struct PointLayout {
-    std::size_t ordinates = 1;   // 2 for complex numbers
-    bool with_abscissa = false;  // uneven spacing
-    bool double_precision = false;
-    std::size_t perPoint() const { return ordinates + (with_abscissa ? 1 : 0); }
-};
-
-class NumberReader {
-public:
-    NumberReader(const PointLayout& layout, std::size_t points, const std::string& file)
-        : layout_(layout), count_(points * layout.perPoint()), file_(file) {}
-
-    /// ASCII: E13.5 for single, E20.12 for double precision; the abscissa of uneven spacing always E13.5. Six single or
-    /// four double numbers to a line, three pairs of single precision, two pairs of mixed width.
-    void readText(LineCursor& lines, UffFunction& function) {
-        while (read_ < count_) {
-            if (lines.atEnd())
-                throw InputError({file_, lines.line(), {}},
-                                 "the file ends within a dataset 58: " + std::to_string(read_) + " of " +
-                                     std::to_string(count_) + " numbers are there");
-            const auto line = lines.take();
-            std::size_t at = 0;
-            while (read_ < count_) {
-                if (at >= line.size()) break;
-                const std::size_t width = layout_.double_precision && !isAbscissa() ? 20 : 13;
-                const auto text = uffField(line, at, width);
-                double value = 0;
-                if (text.empty()) break;
-                if (!parseReal(text, value))
-                    throw InputError({file_, lines.line(), {}}, "'" + std::string(text) + "' is not a number",
-                                     "numbers of " + std::to_string(width) + " characters");
-                take(value, function);
-                at += width;
-            }
-            if (at == 0) throw InputError({file_, lines.line(), {}}, "an empty line within the numbers of a dataset");
-        }
-    }
-
-    /// Binary: as the ASCII form, 4 bytes for single and 8 for double precision, the abscissa 4. Some programs write
-    /// all numbers in one width whatever the header says; the length tells.
-    void readBinary(std::string_view bytes, bool big_endian, UffFunction& function) {
-        const bool all_double = bytes.size() == 8 * count_, all_single = bytes.size() == 4 * count_;
-        std::size_t at = 0;
-        while (read_ < count_) {
-            const bool wide = all_double || (!all_single && layout_.double_precision && !isAbscissa());
-            const std::size_t width = wide ? 8 : 4;
-            if (at + width > bytes.size())
-                throw InputError({file_, 0, {}}, "the binary part of a dataset 58 is shorter than its " +
-                                                     std::to_string(count_) + " numbers need");
-            take(wide ? loadDouble(bytes.data() + at, big_endian) : loadSingle(bytes.data() + at, big_endian),
-                 function);
-            at += width;
-        }
-    }
-
-private:
-    bool isAbscissa() const { return layout_.with_abscissa && read_ % layout_.perPoint() == 0; }
-
-    void take(double value, UffFunction& function) {
-        if (isAbscissa()) {
-            function.abscissa.push_back(value);
-        } else if (layout_.ordinates == 1 || read_ % layout_.perPoint() == (layout_.with_abscissa ? 1U : 0U)) {
-            function.values.push_back(value);
-        }
-        ++read_;
-    }
-
-    template <typename Word>
-    static Word loadWord(const char* p, bool big_endian) {
-        Word word = 0;
-        for (std::size_t i = 0; i < sizeof(Word); ++i) {
-            const auto byte = static_cast<Word>(static_cast<unsigned char>(p[big_endian ? i : sizeof(Word) - 1 - i]));
-            word = static_cast<Word>((word << 8U) | byte);
-        }
-        return word;
-    }
-    static double loadDouble(const char* p, bool big_endian) {
-        const auto word = loadWord<std::uint64_t>(p, big_endian);
-        double value = 0;
-        std::memcpy(&value, &word, sizeof value);
-        return value;
-    }
-    static double loadSingle(const char* p, bool big_endian) {
-        const auto word = loadWord<std::uint32_t>(p, big_endian);
-        float value = 0;
-        std::memcpy(&value, &word, sizeof value);
-        return static_cast<double>(value);
-    }
-
-    PointLayout layout_;
-    std::size_t count_, read_ = 0;
-    const std::string& file_;
-};
-
-/// Records 1 to 11. Returns the number of points.
-std::size_t readHeader(LineCursor& lines, const std::string& file, UffFunction& function, PointLayout& layout) {
+/// Records 1 to 11.
+void readHeader(LineCursor& lines, const std::string& file, UffFunction& function) {
     const auto next = [&] {
         if (lines.atEnd())
             throw InputError({file, lines.line(), {}}, "the file ends within the header of a dataset 58");
@@ -176,10 +55,9 @@ std::size_t readHeader(LineCursor& lines, const std::string& file, UffFunction& 
     function.even = integer(form, 20, 10) == 1;
     function.start = readReal(form, 30, 13, file, lines.line());
     function.step = readReal(form, 43, 13, file, lines.line());
-    layout.ordinates = type >= 5 ? 2 : 1;
-    layout.double_precision = type == 4 || type == 6;
-    layout.with_abscissa = !function.even;
     function.complex = type >= 5;
+    function.double_precision = type == 4 || type == 6;
+    function.points = static_cast<std::size_t>(points);
     const auto abscissa = next();
     function.abscissa_kind = static_cast<int>(integer(abscissa, 0, 10));
     function.abscissa_unit = withoutNone(uffField(abscissa, 47, 20));
@@ -188,7 +66,6 @@ std::size_t readHeader(LineCursor& lines, const std::string& file, UffFunction& 
     function.unit = withoutNone(uffField(ordinate, 47, 20));
     next();
     next();
-    return static_cast<std::size_t>(points);
 }
 
 /// Bytes up to the closing `-1`: as many as the header says, or, where that is wrong, up to the next such line; npos if
@@ -272,31 +149,34 @@ double UffFunction::time(std::size_t point) const {
     return start + (is_rate ? static_cast<double>(point) / rate : static_cast<double>(point) * step);
 }
 
-UffFunction readUffFunction(LineCursor& lines, const UffStorage& storage, const std::string& file) {
+UffFunction readUffHeader(LineCursor& lines, const UffStorage& storage, const std::string& file, UffExtent& extent) {
     UffFunction function;
-    PointLayout layout;
-    const std::size_t points = readHeader(lines, file, function, layout);
-    if (points > lines.rest().size())
+    readHeader(lines, file, function);
+    if (function.points > lines.rest().size())
         throw InputError({file, lines.line(), {}},
-                         "the file ends within a dataset 58 of " + std::to_string(points) + " points");
-    if (!storage.binary) {
-        if (!function.isTimeResponse()) return function;
-        function.values.reserve(points);
-        NumberReader(layout, points, file).readText(lines, function);
-        return function;
-    }
+                         "the file ends within a dataset 58 of " + std::to_string(function.points) + " points");
+    extent.numbers = lines;
+    extent.storage = storage;
+    if (!storage.binary) return function;
     const std::size_t bytes = findBinaryLength(lines.rest(), storage.bytes);
     if (bytes == std::string_view::npos)
         throw InputError({file, lines.line(), {}},
                          "the file ends within the " + std::to_string(storage.bytes) + " bytes of a dataset 58b");
-    if (function.isTimeResponse()) {
-        if (storage.floating_format != 2)
-            throw InputError({file, lines.line(), {}}, "the numbers are in the binary format of DEC or IBM",
-                             "IEEE 754");
-        function.values.reserve(points);
-        NumberReader(layout, points, file).readBinary(lines.rest().substr(0, bytes), storage.big_endian, function);
-    }
+    if (function.isTimeResponse() && storage.floating_format != 2)
+        throw InputError({file, lines.line(), {}}, "the numbers are in the binary format of DEC or IBM", "IEEE 754");
+    extent.bytes = lines.rest().substr(0, bytes);
     lines.skip(bytes);
+    return function;
+}
+
+UffFunction readUffFunction(LineCursor& lines, const UffStorage& storage, const std::string& file) {
+    UffExtent extent;
+    UffFunction function = readUffHeader(lines, storage, file, extent);
+    if (!function.isTimeResponse()) return function;
+    function.values.reserve(function.points);
+    UffNumberReader reader(function, extent, file);
+    reader.read(function.points, function);
+    if (!storage.binary) lines = reader.cursor();
     return function;
 }
 

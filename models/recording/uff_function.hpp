@@ -4,6 +4,7 @@
 
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "models/recording/line_cursor.hpp"
@@ -24,6 +25,8 @@ struct UffFunction {
     double start = 0, step = 0;  ///< abscissa of even spacing
     bool even = true;
     bool complex = false;
+    bool double_precision = false;
+    std::size_t points = 0;        ///< that the header states
     std::vector<double> abscissa;  ///< of uneven spacing
     std::vector<double> values;
 
@@ -44,6 +47,18 @@ struct UffStorage {
     int floating_format = 2;  ///< 2: IEEE 754
     long bytes = 0;           ///< of the binary part
 };
+
+/// Where the numbers of a dataset stand.
+struct UffExtent {
+    UffStorage storage;
+    LineCursor numbers{{}};  ///< at their first line
+    std::string_view bytes;  ///< of a binary dataset
+};
+
+/// Reads from the line after the dataset's number; `lines` is left at the first number of an ASCII dataset, behind the
+/// last one of a binary dataset.
+/// @throws InputError with file and line
+UffFunction readUffHeader(LineCursor& lines, const UffStorage& storage, const std::string& file, UffExtent& extent);
 
 /// Reads from the line after the dataset's number up to the end of its numbers; the closing `-1` is left. Of what is no
 /// time response the numbers are not read.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "models/error.hpp"
 #include "models/recording/uff_function.hpp"
@@ -52,25 +53,41 @@ std::optional<std::string> findUnit(int kind, long system) {
     }
 }
 
-class UniversalFile {
-public:
-    UniversalFile(std::string_view text, const std::string& file) : lines_(text), file_(file) {}
+bool haveSameTime(const UffFunction& a, const UffFunction& b) {
+    if (a.even != b.even || a.points != b.points) return false;
+    if (!a.even) return a.abscissa == b.abscissa;
+    const double tolerance = kSameTime * std::abs(a.step);
+    return std::abs(a.start - b.start) <= tolerance &&
+           std::abs(a.step - b.step) * static_cast<double>(a.points) <= tolerance;
+}
 
-    RecordingTable read() {
+std::vector<double> calcTime(const UffFunction& function) {
+    std::vector<double> time(function.values.size());
+    for (std::size_t i = 0; i < time.size(); ++i) time[i] = function.time(i);
+    return time;
+}
+
+/// Walks through the datasets of a file.
+class DatasetWalk {
+public:
+    DatasetWalk(std::string_view text, const std::string& file) : lines_(text), file_(file) {}
+
+    /// @param read takes the cursor behind the line with the number of a dataset 58, leaves it where the closing mark
+    ///             is to be looked for
+    /// @param pass called now and then
+    template <typename Read, typename Pass>
+    void walk(const Read& read, const Pass& pass) {
         while (!lines_.atEnd()) {
-            if (isMark(lines_.take()) && !lines_.atEnd()) readDataset();
+            if (isMark(lines_.take()) && !lines_.atEnd()) readDataset(read, pass);
         }
-        const auto first = std::find_if(functions_.begin(), functions_.end(),
-                                        [](const UffFunction& function) { return function.isTimeResponse(); });
-        if (first == functions_.end())
-            throw InputError({file_, 0, {}},
-                             functions_.empty() ? "there is no dataset 58" : "no dataset 58 is a time response",
-                             "functions of type 1 over time");
-        return makeTable(*first);
     }
 
+    long system() const { return system_; }
+    bool anyBinary() const { return binary_; }
+
 private:
-    void readDataset() {
+    template <typename Read, typename Pass>
+    void readDataset(const Read& read, const Pass& pass) {
         const auto line = lines_.take();
         const auto number = uffField(line, 0, 6);
         if (number == "58") {
@@ -82,75 +99,69 @@ private:
                 storage.bytes = integer(line, 31, 12);
                 binary_ = true;
             }
-            functions_.push_back(readUffFunction(lines_, storage, file_));
-            // A binary part may end without a line end.
-            skipToMark();
-            return;
+            read(lines_, storage);
+        } else if (number == "164" && !lines_.atEnd()) {
+            system_ = integer(lines_.take(), 0, 10);
         }
-        if (number == "164" && !lines_.atEnd()) system_ = integer(lines_.take(), 0, 10);
-        skipToMark();
+        // A binary part may end without a line end.
+        skipToMark(pass);
     }
 
     long integer(std::string_view line, std::size_t from, std::size_t width) const {
         return uffInteger(line, from, width, file_, lines_.line());
     }
 
-    void skipToMark() {
+    template <typename Pass>
+    void skipToMark(const Pass& pass) {
+        constexpr long kLinesBetween = 1 << 17;
         while (!lines_.atEnd()) {
-            if (isMark(lines_.take())) return;
+            if (isMark(lines_.take())) break;
+            if (lines_.line() % kLinesBetween == 0) pass();
         }
-    }
-
-    static std::vector<double> calcTime(const UffFunction& function) {
-        std::vector<double> time(function.values.size());
-        for (std::size_t i = 0; i < time.size(); ++i) time[i] = function.time(i);
-        return time;
-    }
-
-    static bool haveSameTime(const UffFunction& a, const UffFunction& b) {
-        if (a.even != b.even || a.values.size() != b.values.size()) return false;
-        if (!a.even) return a.abscissa == b.abscissa;
-        const double tolerance = kSameTime * std::abs(a.step);
-        return std::abs(a.start - b.start) <= tolerance &&
-               std::abs(a.step - b.step) * static_cast<double>(a.values.size()) <= tolerance;
-    }
-
-    RecordingTable makeTable(const UffFunction& first) const {
-        RecordingTable table;
-        table.file = file_;
-        table.format = binary_ ? "UFF 58b" : "UFF 58";
-        if (first.even && !(first.step > 0) && first.values.size() > 1)
-            throw InputError({file_, 0, first.name()}, "the time step is not above zero");
-        table.columns.push_back({"time", first.abscissa_unit.empty() ? "s" : first.abscissa_unit, {}});
-        table.values.push_back(calcTime(first));
-        table.metadata["id"] = first.id;
-        for (const auto& function : functions_) {
-            const std::string name = function.name();
-            if (!function.isTimeResponse() || !haveSameTime(first, function)) {
-                table.warnings.push_back(name + " (" + function.id + ") is not read: " +
-                                         (function.isTimeResponse() ? "its times are not those of " + first.name()
-                                                                    : std::string("it is no time response")));
-                continue;
-            }
-            const bool single = std::count_if(functions_.begin(), functions_.end(), [&](const UffFunction& other) {
-                                    return other.isTimeResponse() && other.name() == name;
-                                }) == 1;
-            const std::string full_name = name + " " + function.kind();
-            OfferedColumn column{single ? name : full_name, {}, {function.id, full_name}};
-            column.unit =
-                function.unit.empty() ? findUnit(function.ordinate_kind, system_) : std::optional(function.unit);
-            table.columns.push_back(std::move(column));
-            table.values.push_back(function.values);
-        }
-        return table;
+        pass();
     }
 
     LineCursor lines_;
     const std::string& file_;
-    std::vector<UffFunction> functions_;
     long system_ = 0;
     bool binary_ = false;
 };
+
+UffTable makeUffTable(const std::vector<UffFunction>& functions, long system, bool binary, const std::string& file) {
+    const auto found = std::find_if(functions.begin(), functions.end(),
+                                    [](const UffFunction& function) { return function.isTimeResponse(); });
+    if (found == functions.end())
+        throw InputError({file, 0, {}},
+                         functions.empty() ? "there is no dataset 58" : "no dataset 58 is a time response",
+                         "functions of type 1 over time");
+    const UffFunction& first = *found;
+    UffTable result;
+    RecordingTable& table = result.table;
+    table.file = file;
+    table.format = binary ? "UFF 58b" : "UFF 58";
+    if (first.even && !(first.step > 0) && first.points > 1)
+        throw InputError({file, 0, first.name()}, "the time step is not above zero");
+    table.columns.push_back({"time", first.abscissa_unit.empty() ? "s" : first.abscissa_unit, {}});
+    table.metadata["id"] = first.id;
+    for (const auto& function : functions) {
+        const std::string name = function.name();
+        if (!function.isTimeResponse() || !haveSameTime(first, function)) {
+            table.warnings.push_back(name + " (" + function.id + ") is not read: " +
+                                     (function.isTimeResponse() ? "its times are not those of " + first.name()
+                                                                : std::string("it is no time response")));
+            continue;
+        }
+        const bool single = std::count_if(functions.begin(), functions.end(), [&](const UffFunction& other) {
+                                return other.isTimeResponse() && other.name() == name;
+                            }) == 1;
+        const std::string full_name = name + " " + function.kind();
+        OfferedColumn column{single ? name : full_name, {}, {function.id, full_name}};
+        column.unit = function.unit.empty() ? findUnit(function.ordinate_kind, system) : std::optional(function.unit);
+        table.columns.push_back(std::move(column));
+        result.functions.push_back(static_cast<std::size_t>(&function - functions.data()));
+    }
+    return result;
+}
 
 }  // namespace
 
@@ -166,8 +177,29 @@ bool isUniversalFile(std::string_view text) {
     return !number.empty() && number.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
+UffIndex indexUniversalFile(std::string_view text, const std::string& file, const std::function<void()>& pass) {
+    UffIndex index;
+    DatasetWalk walk(text, file);
+    walk.walk(
+        [&](LineCursor& lines, const UffStorage& storage) {
+            index.extents.emplace_back();
+            index.functions.push_back(readUffHeader(lines, storage, file, index.extents.back()));
+        },
+        pass);
+    index.table = makeUffTable(index.functions, walk.system(), walk.anyBinary(), file);
+    return index;
+}
+
 RecordingTable readUniversalFile(std::string_view text, const std::string& file) {
-    return UniversalFile(text, file).read();
+    std::vector<UffFunction> functions;
+    DatasetWalk walk(text, file);
+    walk.walk([&](LineCursor& lines,
+                  const UffStorage& storage) { functions.push_back(readUffFunction(lines, storage, file)); },
+              [] {});
+    UffTable result = makeUffTable(functions, walk.system(), walk.anyBinary(), file);
+    result.table.values.push_back(calcTime(functions[result.functions.front()]));
+    for (const std::size_t f : result.functions) result.table.values.push_back(std::move(functions[f].values));
+    return std::move(result.table);
 }
 
 }  // namespace wems

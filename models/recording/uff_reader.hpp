@@ -11,15 +11,36 @@
 /// Testing, datasets 58, 58b and 164. Binary numbers are IEEE 754, of either byte order.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "models/recording/recording_table.hpp"
+#include "models/recording/uff_function.hpp"
 
 namespace wems {
 
 /// True if `text` begins as a universal file does: a line `-1`, then a line with a dataset's number.
 bool isUniversalFile(std::string_view text);
+
+/// A table of time and time responses, and which function each column after the time is.
+struct UffTable {
+    RecordingTable table;
+    std::vector<std::size_t> functions;
+};
+
+/// All datasets 58 of a file and where their numbers stand, none of which is read: responses of uneven spacing are
+/// taken to have the times of the first one.
+struct UffIndex {
+    std::vector<UffFunction> functions;
+    std::vector<UffExtent> extents;  ///< of each function; views into the text
+    UffTable table;                  ///< without values
+};
+/// @param pass called now and then on the way through the file
+/// @throws InputError as readUniversalFile(), but for the numbers
+UffIndex indexUniversalFile(std::string_view text, const std::string& file, const std::function<void()>& pass);
 
 /// @throws InputError with file and line: no time response, cut off, numbers of DEC or IBM, responses of different
 ///         length or time.

@@ -40,4 +40,10 @@ inline std::string decodeUtf16(std::string_view text) {
     return decoded;
 }
 
+/// `text` without the mark by which some programs begin a UTF-8 file.
+inline std::string_view skipByteOrderMark(std::string_view text) {
+    if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
+    return text;
+}
+
 }  // namespace wems

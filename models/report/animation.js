@@ -3,13 +3,6 @@
 // the largest distance of a connection from the centre.
 const wemsPinSize = 0.07, wemsPlate = 0.026, wemsLongestArrow = 0.9, wemsDisplayed = 0.16;
 
-function wemsColors() {
-  const style = getComputedStyle(document.documentElement);
-  const read = name => new THREE.Color(style.getPropertyValue(name).trim());
-  return { ink: read("--ink"), paper: read("--paper"), mobile: read("--mobile"), fixed: read("--fixed"),
-           elastomer: read("--elastomer"), stop: read("--stop"), closed: read("--closed"), force: read("--force") };
-}
-
 // Everything that is drawn, and place(pose), which moves it.
 class WemsDevice {
   constructor(scene) {
@@ -188,41 +181,6 @@ class WemsRun {
   }
 }
 
-let wemsControls = 0;
-function wemsUniqueId() {
-  return "control" + ++wemsControls;
-}
-
-function wemsElement(name, attributes, parent, text) {
-  const element = document.createElement(name);
-  for (const key in attributes) element.setAttribute(key, attributes[key]);
-  if (text) element.textContent = text;
-  parent.append(element);
-  return element;
-}
-
-function wemsRange(label, attributes, parent) {
-  const box = wemsElement("div", {}, parent), id = wemsUniqueId();
-  wemsElement("label", { for: id }, box, label);
-  const value = wemsElement("output", { for: id }, box);
-  return { input: wemsElement("input", { type: "range", id, ...attributes }, box), value };
-}
-
-function wemsCheck(label, checked, parent) {
-  const box = wemsElement("label", { class: "check" }, parent);
-  const input = wemsElement("input", { type: "checkbox" }, box);
-  box.append(" " + label);
-  input.checked = checked;
-  return input;
-}
-
-function wemsSelect(label, choices, parent) {
-  const box = wemsElement("label", {}, parent, label + " ");
-  const select = wemsElement("select", {}, box);
-  choices.forEach((choice, i) => wemsElement("option", { value: i }, select, choice));
-  return select;
-}
-
 // Names and directions to look from.
 const wemsViews = [["oblique", [1.7, -2.3, 1.2]], ["along y", [0, -1, 0.05]], ["along x", [1, 0, 0.05]],
                    ["from above", [0, -0.001, 1]]];
@@ -231,50 +189,30 @@ const wemsViews = [["oblique", [1.7, -2.3, 1.2]], ["along y", [0, -1, 0.05]], ["
 function wemsScene(id, scene) {
   const figure = document.getElementById(id);
   const runs = scene.runs.map(run => new WemsRun(run, scene.connections.length));
-  const stage = wemsElement("div", { class: "stage", role: "img", "aria-label": scene.title }, figure);
-  const words = wemsElement("p", { class: "words" }, figure);
-  let renderer;
-  try {
-    renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });  // kept for printing
-  } catch (error) {
-    stage.remove();
-    words.textContent = "This browser has no WebGL, which the moving picture needs.";
-    return;
-  }
-  stage.append(renderer.domElement);
-  const controls = wemsElement("div", { class: "controls", role: "group", "aria-label": "Controls: " + scene.title }, figure);
+  const device = new WemsDevice(scene);
+  const stage = new WemsStage(figure, scene.title, device.bounds, wemsViews);
+  if (!stage.renderer) return;
+  stage.world.add(device.root);
+  const { words, controls } = stage;
   const play = wemsElement("button", { type: "button", "aria-pressed": "false" }, controls, "Play");
   const chooseRun = wemsSelect("Run", scene.runs.map(run => run.name), controls);
   if (runs.length < 2) chooseRun.parentElement.remove();
   const station = wemsRange("Place in the run", { min: 0, max: 0, step: 1, value: 0, class: "wide" }, controls);
   const moment = wemsRange("Moment", { min: 0, max: 0, step: 1, value: 0 }, controls);
   const factor = wemsRange("Exaggeration", { min: 0, max: 100, step: 1, value: 50 }, controls);
-  const view = wemsSelect("View", wemsViews.map(v => v[0]), controls);
+  stage.addViewControl();
   const along = wemsCheck("go along the run", true, controls);
   const hold = wemsCheck("hold the fixed part still", true, controls);
   const arrows = wemsCheck("forces on the mobile part", true, controls);
 
-  const device = new WemsDevice(scene);
-  const world = new THREE.Scene();
-  const lamp = new THREE.DirectionalLight(0xffffff, 0.65);
-  lamp.position.set(1, -2, 3);
-  world.add(device.root, new THREE.AmbientLight(0xffffff, 0.55), lamp);
-  const camera = new THREE.PerspectiveCamera(38, 1, 0.1, 50);
-  camera.up.set(0, 0, 1);
-  const orbit = new THREE.OrbitControls(camera, renderer.domElement);
-  orbit.enableZoom = orbit.enablePan = orbit.enableKeys = false;  // wheel and keys belong to the page
-  orbit.target.copy(device.bounds.center);
-
-  let run = runs[0], playing = false, due = false;
+  let run = runs[0], playing = false;
   const exaggeration = () => Math.pow(10, factor.input.value / 100 * Math.log10(run.most));
   const current = () => run.run.stations[station.input.value];
 
-  function draw() {
-    due = false;
+  function update() {
     const place = current(), frame = run.frame(place.from + Number(moment.input.value));
     const largest = run.largestForces[station.input.value];
     device.place(frame, exaggeration(), hold.checked, arrows.checked, largest);
-    renderer.render(world, camera);
     const time = place.time + moment.input.value * place.period;
     const hertz = Number.isFinite(place.hertz) ? place.hertz.toFixed(2) + " Hz, " : "";
     station.value.textContent = hertz + place.time.toFixed(2) + " s";
@@ -289,13 +227,9 @@ function wemsScene(id, scene) {
       " (longest arrow at this place: " + largest.toFixed(0) + " N)";
     words.classList.toggle("alert", closed.length > 0);
   }
-  function schedule() {
-    if (!due) requestAnimationFrame(draw);
-    due = true;
-  }
   function chooseStation() {
     moment.input.max = current().count - 1;
-    schedule();
+    stage.schedule();
   }
   function selectRun() {
     run = runs[chooseRun.value];
@@ -306,21 +240,6 @@ function wemsScene(id, scene) {
     station.input.max = run.run.stations.length - 1;
     station.input.value = 0;
     chooseStation();
-  }
-  function resize() {
-    const width = stage.clientWidth, height = stage.clientHeight;
-    renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    renderer.setSize(width, height, false);
-    camera.aspect = width / height;
-    camera.updateProjectionMatrix();
-    look();
-  }
-  function look() {
-    const half = THREE.Math.degToRad(camera.fov / 2);  // of the shorter side
-    const distance = device.bounds.radius / Math.sin(Math.atan(Math.tan(half) * Math.min(1, camera.aspect)));
-    camera.position.set(...wemsViews[view.value][1]).normalize().multiplyScalar(0.78 * distance).add(orbit.target);
-    orbit.update();
-    schedule();
   }
   let last = 0, fraction = 0;
   function step(now) {
@@ -340,7 +259,7 @@ function wemsScene(id, scene) {
     }
     if (on > 0) {
       moment.input.value = next;
-      draw();
+      stage.draw();
     }
     requestAnimationFrame(step);
   }
@@ -353,18 +272,7 @@ function wemsScene(id, scene) {
   });
   chooseRun.addEventListener("input", selectRun);
   station.input.addEventListener("input", chooseStation);
-  for (const input of [moment.input, factor.input, hold, arrows]) input.addEventListener("input", schedule);
-  view.addEventListener("input", look);
-  orbit.addEventListener("change", schedule);
-  function paint() {
-    device.recolor();
-    renderer.setClearColor(device.colors.paper);
-    schedule();
-  }
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
-  addEventListener("resize", resize);
+  for (const input of [moment.input, factor.input, hold, arrows]) input.addEventListener("input", () => stage.schedule());
   selectRun();
-  resize();
-  paint();
-  draw();
+  stage.start(() => device.recolor(), update);
 }

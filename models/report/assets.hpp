@@ -10,7 +10,9 @@ std::string dygraphsScript();
 std::string dygraphsStyle();
 std::string threeScript();
 std::string orbitControlsScript();
+std::string stageScript();
 std::string animationScript();
+std::string surfaceScript();
 std::string pageScript();
 std::string pageStyle();
 

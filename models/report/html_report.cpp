@@ -3,38 +3,37 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
+#include <utility>
 
 #include "models/atomic_file.hpp"
 #include "models/report/assets.hpp"
+#include "models/report/force_surface.hpp"
 #include "models/report/html_text.hpp"
 #include "models/report/motion_scene.hpp"
 
 namespace wems {
 namespace {
 
-constexpr std::size_t most_buckets = 1000, fewest_buckets = 300;  // of a series
+constexpr std::size_t most_buckets = 1000, fewest_buckets = 150;  // of a series
 constexpr std::size_t buckets_per_plot = 6000;                    // what a browser redraws without delay
 
-std::vector<std::size_t> thinOut(std::size_t count, std::size_t most) {
-    const std::size_t stride = std::max<std::size_t>(1, (count + most - 1) / most);
-    std::vector<std::size_t> kept;
-    for (std::size_t i = 0; i < count; i += stride) kept.push_back(i);
-    return kept;
-}
-
 /// What is kept of a series, in order of x.
-std::string formatSeries(const Series& series, bool points, std::size_t buckets) {
+std::string formatSeries(const Series& series, const Plot& plot, std::size_t place, std::size_t buckets) {
+    const bool points = series.points.value_or(plot.points);
+    const int color = series.color.value_or(static_cast<int>(place));
     const std::size_t count = std::min(series.x.size(), series.y.size());
     std::vector<std::size_t> kept;
-    for (const auto i : points ? thinOut(count, 4 * buckets) : decimateByShape(series.y, buckets))
+    for (const auto i : points ? decimateCloud(series.x, series.y, 4 * buckets) : decimateByShape(series.y, buckets))
         if (i < count && std::isfinite(series.x[i])) kept.push_back(i);
     std::stable_sort(kept.begin(), kept.end(), [&](std::size_t a, std::size_t b) { return series.x[a] < series.x[b]; });
     std::string x, y;
     for (const auto i : kept) {
         x += formatScriptNumber(series.x[i]) + ",";
-        y += formatScriptNumber(series.y[i]) + ",";
+        y += formatScriptNumber(plot.log_y && series.y[i] <= 0 ? NAN : series.y[i]) + ",";
     }
-    return "{name:" + quoteScript(series.name) + ",x:[" + x + "],y:[" + y + "]}";
+    return "{name:" + quoteScript(series.name) + ",points:" + (points ? "true" : "false") +
+           ",color:" + std::to_string(color) + ",x:[" + x + "],y:[" + y + "]}";
 }
 
 }  // namespace
@@ -55,6 +54,32 @@ std::vector<std::size_t> decimateByShape(const std::vector<double>& y, std::size
                                 static_cast<std::size_t>(extremes.second - y.begin()), to - 1};
         std::sort(std::begin(chosen), std::end(chosen));
         kept.insert(kept.end(), std::begin(chosen), std::unique(std::begin(chosen), std::end(chosen)));
+    }
+    return kept;
+}
+
+std::vector<std::size_t> decimateCloud(const std::vector<double>& x, const std::vector<double>& y, std::size_t most) {
+    std::vector<std::size_t> finite;
+    double low[] = {INFINITY, INFINITY}, high[] = {-INFINITY, -INFINITY};
+    for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) {
+        if (!std::isfinite(x[i]) || !std::isfinite(y[i])) continue;
+        finite.push_back(i);
+        const double at[] = {x[i], y[i]};
+        for (int k = 0; k < 2; ++k) {
+            low[k] = std::min(low[k], at[k]);
+            high[k] = std::max(high[k], at[k]);
+        }
+    }
+    std::vector<std::size_t> kept = finite;
+    // At most all cells are taken, so that the last grid is coarse enough.
+    for (double cells = 512; kept.size() > most && cells >= 1; cells *= 0.7) {
+        const auto cellOf = [&](double value, int k) {
+            return high[k] > low[k] ? std::floor(cells * (value - low[k]) / (high[k] - low[k])) : 0.0;
+        };
+        std::set<std::pair<double, double>> taken;
+        kept.clear();
+        for (const auto i : finite)
+            if (taken.emplace(cellOf(x[i], 0), cellOf(y[i], 1)).second) kept.push_back(i);
     }
     return kept;
 }
@@ -84,15 +109,25 @@ void HtmlReport::addTable(const std::vector<std::string>& header, const std::vec
 }
 
 void HtmlReport::addPlot(const Plot& plot) {
+    addPlot(plot, most_buckets);
+}
+
+void HtmlReport::addPlots(const std::vector<Plot>& plots) {
+    body_ += "<div class=\"plots\">\n";
+    for (const Plot& plot : plots) addPlot(plot, most_buckets / 2);
+    body_ += "</div>\n";
+}
+
+void HtmlReport::addPlot(const Plot& plot, std::size_t buckets) {
     const std::string id = "plot" + std::to_string(++plot_count_);
     body_ += "<figure><figcaption>" + escapeHtml(plot.title) + "</figcaption><div class=\"plot\" id=\"" + id +
              "\" role=\"img\" aria-label=\"" + escapeHtml(plot.title) + "\"></div></figure>\n";
     data_ += "wemsPlot({id:" + quoteScript(id) + ",title:" + quoteScript(plot.title) +
              ",x:" + quoteScript(plot.x_label) + ",y:" + quoteScript(plot.y_label) +
-             ",points:" + (plot.points ? "true" : "false") + ",series:[";
-    const std::size_t buckets =
-        std::clamp(buckets_per_plot / std::max<std::size_t>(1, plot.series.size()), fewest_buckets, most_buckets);
-    for (const Series& series : plot.series) data_ += formatSeries(series, plot.points, buckets) + ",";
+             ",logY:" + (plot.log_y ? "true" : "false") + ",series:[";
+    const std::size_t own =
+        std::clamp(buckets_per_plot / std::max<std::size_t>(1, plot.series.size()), fewest_buckets, buckets);
+    for (std::size_t i = 0; i < plot.series.size(); ++i) data_ += formatSeries(plot.series[i], plot, i, own) + ",";
     data_ += "]});\n";
 }
 
@@ -103,6 +138,13 @@ void HtmlReport::addScene(const MotionScene& scene) {
     data_ += "wemsScene(" + quoteScript(id) + "," + formatScene(scene) + ");\n";
 }
 
+void HtmlReport::addSurface(const ForceSurface& surface) {
+    const std::string id = "surface" + std::to_string(++surface_count_);
+    body_ += "<figure class=\"surface\" id=\"" + id + "\"><figcaption>" + escapeHtml(surface.title) +
+             "</figcaption></figure>\n";
+    data_ += "wemsSurface(" + quoteScript(id) + "," + formatSurface(surface) + ");\n";
+}
+
 std::string HtmlReport::format() const {
     const auto script = [](const std::string& text) { return "<script>" + text + "</script>\n"; };
     std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n";
@@ -111,9 +153,11 @@ std::string HtmlReport::format() const {
     page += "<style>" + report_assets::dygraphsStyle() + report_assets::pageStyle() +
             "</style>\n</head><body>\n<main><h1>" + escapeHtml(title_) + "</h1>\n" + body_ + "</main>\n";
     if (plot_count_ > 0) page += script(report_assets::dygraphsScript());
-    if (scene_count_ > 0)
+    if (scene_count_ + surface_count_ > 0)
         page += script(report_assets::threeScript()) + script(report_assets::orbitControlsScript()) +
-                script(report_assets::animationScript());
+                script(report_assets::stageScript());
+    if (scene_count_ > 0) page += script(report_assets::animationScript());
+    if (surface_count_ > 0) page += script(report_assets::surfaceScript());
     if (!data_.empty()) page += script(report_assets::pageScript() + data_);
     return page + "</body></html>\n";
 }

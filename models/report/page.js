@@ -24,6 +24,11 @@ function wemsStyle() {
            colors: dark ? wemsDark : wemsLight };
 }
 
+function wemsPalette(plot) {
+  const { colors } = wemsStyle();
+  return plot.series.map(series => colors[series.color % colors.length]);
+}
+
 // Names of the series below the plot; each is a button that hides and shows its series.
 function wemsLegend(plot, g) {
   const legend = document.createElement("div");
@@ -45,25 +50,27 @@ function wemsLegend(plot, g) {
   });
   document.getElementById(plot.id).after(legend);
   return () => swatches.forEach((swatch, i) => {
-    const { colors } = wemsStyle();
-    swatch.style.background = colors[i % colors.length];
+    swatch.style.background = wemsPalette(plot)[i];
   });
 }
 
 function wemsPlot(plot) {
   const format = v => Math.abs(v) >= 1e4 || (v !== 0 && Math.abs(v) < 1e-3) ? v.toExponential(1) : String(+v.toPrecision(4));
+  const own = {};  // options of each series
+  for (const { name, points } of plot.series)
+    own[name] = { drawPoints: points, strokeWidth: points ? 0 : plot.series.some(s => s.points) ? 2 : 1.2 };
   const g = new Dygraph(document.getElementById(plot.id), wemsRows(plot.series), {
     labels: ["x", ...plot.series.map(s => s.name)], xlabel: plot.x, ylabel: plot.y,
-    connectSeparatedPoints: true, drawPoints: plot.points, strokeWidth: plot.points ? 0 : 1.2, pointSize: 1.2,
-    legend: "follow", labelsSeparateLines: true, ...wemsStyle(),
-    axes: { x: { axisLabelFormatter: format, valueFormatter: v => plot.x + " = " + format(v) },
+    connectSeparatedPoints: true, series: own, pointSize: 1.2, logscale: plot.logY, yRangePad: 6,
+    legend: "follow", labelsSeparateLines: true, ...wemsStyle(), colors: wemsPalette(plot),
+    axes: { x: { pixelsPerLabel: 45, axisLabelFormatter: format, valueFormatter: v => plot.x + " = " + format(v) },
             y: { axisLabelFormatter: format, valueFormatter: v => String(+v.toPrecision(5)), axisLabelWidth: 64 } },
   });
   const paintLegend = plot.series.length > 1 ? wemsLegend(plot, g) : () => {};
   paintLegend();
   addEventListener("resize", () => g.resize());
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-    g.updateOptions(wemsStyle());
+    g.updateOptions({ ...wemsStyle(), colors: wemsPalette(plot) });
     paintLegend();
   });
 }

@@ -89,15 +89,16 @@ def simulate(run, noise=""):
     call(*words)
 
 
-def parallel(jobs):
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for done in concurrent.futures.as_completed([pool.submit(*job) for job in jobs]):
-            done.result()
-
-
 def step(text, jobs):
+    """Runs the jobs on all cores; on a terminal, the time left on one line that is overwritten."""
     started = time.monotonic()
-    parallel(jobs)
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for count, done in enumerate(concurrent.futures.as_completed([pool.submit(*job) for job in jobs]), 1):
+            done.result()
+            if sys.stderr.isatty():
+                left = (time.monotonic() - started) * (len(jobs) - count) / count
+                sys.stderr.write(f"\r\033[K{text}: {count} of {len(jobs)}, about {left:.0f} s left" if count < len(jobs) else "\r\033[K")
+                sys.stderr.flush()
     print(f"{text:40s} {len(jobs):3d} jobs {time.monotonic() - started:6.0f} s", flush=True)
 
 

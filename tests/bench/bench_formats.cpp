@@ -1,5 +1,6 @@
 // Reading speed of the formats other than CSV, MB/s of file. Binary files are written here or, for MATLAB, given
-// through the environment variables WEMS_BENCH_MAT5 and WEMS_BENCH_MAT73 (scripts/bench_formats.py makes them).
+// through the environment variables WEMS_BENCH_MAT5, WEMS_BENCH_MAT7 and WEMS_BENCH_MAT73 (scripts/bench_formats.py
+// makes them).
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
@@ -123,6 +124,7 @@ BENCHMARK_CAPTURE(benchOwnWriter, sto, ".sto")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(benchUff, ascii, false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(benchUff, binary, true)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(benchGiven, matlab5, "WEMS_BENCH_MAT5")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(benchGiven, matlab7_compressed, "WEMS_BENCH_MAT7")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(benchGiven, matlab73, "WEMS_BENCH_MAT73")->Unit(benchmark::kMillisecond);
 
 }  // namespace

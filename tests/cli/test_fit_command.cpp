@@ -34,11 +34,18 @@ test::SyntheticRun simulate(double force, double octaves_per_minute) {
     return test::simulateSweep(makeDevice(), settings);
 }
 
-void writeModel(const MountModel& model, const test::TemporaryDirectory& folder) {
-    std::filesystem::copy_file(WEMS_SOURCE_DIR "/models/shipped/smallsat_bracket.csv",
-                               folder.path() + "/smallsat_bracket.csv");
-    writeMountModel(model, folder.path() + "/believed.toml");
-}
+/// A folder with a model beside which the truth is known: every value off by a random factor within 1 ± `most`.
+struct BelievedDevice {
+    explicit BelievedDevice(double most) {
+        std::filesystem::copy_file(WEMS_SOURCE_DIR "/models/shipped/smallsat_bracket.csv",
+                                   folder.path() + "/smallsat_bracket.csv");
+        writeMountModel(test::perturb(truth, most, seed), folder.path() + "/believed.toml");
+    }
+
+    std::uint64_t seed = std::random_device{}();
+    test::TemporaryDirectory folder;
+    MountModel truth = makeDevice();
+};
 
 std::string formatLayout(const std::vector<SensorPlace>& places) {
     std::ostringstream text;
@@ -78,11 +85,10 @@ std::map<std::string, Estimate> listAxial(const nlohmann::json& fit) {
 }  // namespace
 
 TEST_CASE("fit --test and fit --geometry: a laboratory's sensors tell the same as the ideal layout") {
-    const std::uint64_t seed = std::random_device{}();
+    const BelievedDevice device(0.25);
+    const auto& folder = device.folder;
+    const auto seed = device.seed;
     CAPTURE(seed);
-    const test::TemporaryDirectory folder;
-    const MountModel truth = makeDevice();
-    writeModel(test::perturb(truth, 0.25, seed), folder);
     const auto places = test::makeLayout(seed);
     folder.write("layout.toml", formatLayout(places));
     const test::SyntheticRun run = simulate(200, 16), other = simulate(120, 16);
@@ -119,18 +125,17 @@ TEST_CASE("fit --test and fit --geometry: a laboratory's sensors tell the same a
         CAPTURE(name, estimate.value, same.value, estimate.error, same.error);
         // Four standard errors of the difference: exceeded by chance in 1 of 4000 runs of the four together.
         CHECK(std::abs(estimate.value - same.value) < 4 * std::hypot(estimate.error, same.error));
-        CHECK(estimate.value == Approx(getParameter(truth, name)).epsilon(0.01));
+        CHECK(estimate.value == Approx(getParameter(device.truth, name)).epsilon(0.01));
     }
     const MountModel fitted = readMountModel(folder.path() + "/fitted.toml");
     for (const auto& [name, estimate] : found) CHECK(getParameter(fitted, name) == Approx(estimate.value));
 }
 
 TEST_CASE("fit --memory: a recording longer than memory is fitted on blocks of it, and the output says on which") {
-    const std::uint64_t seed = std::random_device{}();
+    const BelievedDevice device(0.1);
+    const auto& folder = device.folder;
+    const auto seed = device.seed;
     CAPTURE(seed);
-    const test::TemporaryDirectory folder;
-    const MountModel truth = makeDevice();
-    writeModel(test::perturb(truth, 0.1, seed), folder);
     writeRecording(test::record(simulate(200, 3), {1e-6, -1}, seed), folder.path() + "/long.csv");
     const auto fit = [&](const std::string& memory) {
         return runProgram(IDENTIFY_PROGRAM,
@@ -149,7 +154,7 @@ TEST_CASE("fit --memory: a recording longer than memory is fitted on blocks of i
     CHECK(!found.empty());
     for (const auto& [name, estimate] : found) {
         CAPTURE(name, estimate.value, estimate.error);
-        CHECK(estimate.value == Approx(getParameter(truth, name)).epsilon(0.02));
+        CHECK(estimate.value == Approx(getParameter(device.truth, name)).epsilon(0.02));
     }
 
     const auto whole = fit("2000");

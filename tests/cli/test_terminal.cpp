@@ -6,6 +6,8 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 
 #include "run_program.hpp"
 
@@ -107,6 +109,21 @@ TEST_CASE("Data and nothing else with --json -, nothing with --quiet") {
     CHECK(quiet.exit_status == 0);
     CHECK(quiet.output.empty());
     CHECK(folder.list() == std::vector<std::string>{"out.json", "run.csv"});
+}
+
+TEST_CASE("Manual pages are named as they are called for and say what their program does") {
+    const auto readPage = [](const std::string& name) {
+        std::ifstream file(WEMS_BINARY_DIR "/documents/" + name + ".1");
+        return std::string{std::istreambuf_iterator<char>(file), {}};
+    };
+    const std::string page = readPage("wems-identify-diagnose");
+    if (page.empty()) {
+        WARN("no help2man here: not tested");
+        return;
+    }
+    CHECK_THAT(page, Contains(".TH WEMS-IDENTIFY-DIAGNOSE \"1\""));
+    CHECK_THAT(page, Contains(".SH NAME\nwems-identify-diagnose \\- find what the model lacks or has wrong"));
+    CHECK_THAT(readPage("wems-identify"), Contains(".SH NAME\nwems-identify \\- identify mounts"));
 }
 
 TEST_CASE("bash completes commands, options and values") {

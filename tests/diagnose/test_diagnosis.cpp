@@ -6,6 +6,7 @@
 #include "identify/diagnose/diagnosis.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/diagnose/hidden_device.hpp"
+#include "tests/diagnose/too_slow.hpp"
 
 using namespace wems;
 using namespace wems::identify;
@@ -66,17 +67,6 @@ std::string findHidden(const MountModel& model, const std::string& parameter, do
     return parameter + " has another value";
 }
 
-// Each of these takes minutes where every access is checked.
-#ifdef WEMS_SANITIZED
-constexpr bool kTooSlow = true;
-#else
-constexpr bool kTooSlow = false;
-#endif
-bool isTooSlow() {
-    if (kTooSlow) WARN("skipped: too slow with sanitizers");
-    return kTooSlow;
-}
-
 }  // namespace
 
 TEST_CASE("Nothing is missing where the model is the truth", "[diagnose]") {
@@ -92,7 +82,7 @@ TEST_CASE("Nothing is missing where the model is the truth", "[diagnose]") {
 }
 
 TEST_CASE("A hidden body parameter is found", "[diagnose]") {
-    if (isTooSlow()) return;
+    if (test::isTooSlow()) return;
     requireOneOfTwo([](std::mt19937_64& random) {
         const auto model = identify::testing::makeRandomDevice(random);
         switch (std::uniform_int_distribution<int>(0, 2)(random)) {
@@ -108,7 +98,7 @@ TEST_CASE("A hidden body parameter is found", "[diagnose]") {
 }
 
 TEST_CASE("A hidden parameter of a connection is found", "[diagnose]") {
-    if (isTooSlow()) return;
+    if (test::isTooSlow()) return;
     requireOneOfTwo([](std::mt19937_64& random) {
         const auto model = identify::testing::makeRandomDevice(random);
         switch (std::uniform_int_distribution<int>(0, 2)(random)) {
@@ -118,14 +108,38 @@ TEST_CASE("A hidden parameter of a connection is found", "[diagnose]") {
             case 1:
                 return findHidden(model, "1.z.damping", 3 * model.connections[0].axis[2].damping, "viscous_damping",
                                   "1.z.damping", 0.002, random);
-            default:  // read 2 to 4 % high: the transition velocity is an assumption
-                return findHidden(model, "3.z.friction_force", 6, "friction", "3.z.friction_force", 0.05, random);
+            default:
+                return findHidden(model, "3.z.friction_force", 6, "friction", "3.z.friction_force", 0.02, random);
         }
     });
 }
 
+TEST_CASE("A bracket mode that the modes file lacks is found", "[diagnose]") {
+    if (test::isTooSlow()) return;
+    requireOneOfTwo([](std::mt19937_64& random) -> std::string {
+        const auto truth = identify::testing::makeRandomDevice(random);
+        auto model = truth;
+        // Those far above the sweep show by their flexibility more than by their resonance.
+        constexpr std::size_t kRows[] = {0, 3, 4, 5};
+        const auto row = kRows[std::uniform_int_distribution<std::size_t>(0, 3)(random)];
+        model.bracket.erase(model.bracket.begin() + static_cast<std::ptrdiff_t>(row));
+        const double frequency = truth.bracket[row].frequency;
+        const std::string which = std::to_string(frequency) + " Hz: ";
+        const auto recordings = recordAll(truth, random);
+        const auto diagnosis = diagnose(recordings.identification, recordings.validation, model);
+        if (diagnosis.causes.size() != 1 || diagnosis.causes[0].cause != "bracket_mode")
+            return which + "not named, " + std::to_string(diagnosis.causes.size()) + " causes";
+        if (formatVerdict(diagnosis.verdict) != "explained") return which + formatVerdict(diagnosis.verdict);
+        if (diagnosis.error_after.validation > 0.5 * diagnosis.error_before.validation) return which + "no gain";
+        if (diagnosis.extended.bracket.size() != truth.bracket.size()) return which + "no row was added";
+        for (const auto& p : diagnosis.causes[0].parameters)
+            if (p.name == "6.frequency" && std::abs(p.value - frequency) < 0.01 * frequency) return "";
+        return which + "another frequency";
+    });
+}
+
 TEST_CASE("A faulty channel is found without any force law", "[diagnose]") {
-    if (isTooSlow()) return;
+    if (test::isTooSlow()) return;
     requireOneOfTwo([](std::mt19937_64& random) -> std::string {
         const auto model = identify::testing::makeRandomDevice(random);
         auto recordings = recordAll(model, random);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <random>
 
+#include "models/axis_numbers.hpp"
 #include "models/error.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/diagnose/hidden_device.hpp"
@@ -11,17 +12,27 @@ using namespace wems;
 TEST_CASE("What is set is what is read, and nothing else changes", "[parameter]") {
     std::mt19937_64 random(20);
     const auto model = identify::testing::makeRandomDevice(random);
-    const std::vector<std::string> names = {"1.z.stiffness",       "1.x.damping",
-                                            "2.y.offset",          "3.z.cubic",
-                                            "1.z.loss_factor",     "2.z.drift",
-                                            "1.z.stiffness_ratio", "1.z.time_constant",
-                                            "2.x.friction_force",  "1.z.+.clearance",
-                                            "1.z.-.stiffness",     "1.z.dissipation",
-                                            "body.mass",           "body.center_of_gravity.y",
-                                            "body.inertia.Ixz",    "body.spin.z",
-                                            "2.frequency",         "6.damping_ratio",
-                                            "load.gain",           "mobile.1.az.gain",
-                                            "mobile.1.z.delay",    "fixed.2.ry"};
+    std::vector<std::string> names = {"1.z.stiffness_ratio",
+                                      "1.z.time_constant",
+                                      "2.x.friction_force",
+                                      "1.z.+.clearance",
+                                      "1.z.-.stiffness",
+                                      "1.z.dissipation",
+                                      "body.mass",
+                                      "body.center_of_gravity.y",
+                                      "body.inertia.Ixz",
+                                      "body.spin.z",
+                                      "2.frequency",
+                                      "6.damping_ratio",
+                                      "3.uy",
+                                      "3.rz",
+                                      "4.load.ux",
+                                      "5.base.uz",
+                                      "load.gain",
+                                      "mobile.1.az.gain",
+                                      "mobile.1.z.delay",
+                                      "fixed.2.ry"};
+    for (const auto& number : kAxisNumbers) names.push_back(std::string("1.z.") + number.key);
     for (const auto& name : names) {
         CAPTURE(name);
         MountModel changed = model;
@@ -53,7 +64,7 @@ TEST_CASE("Names that do not exist are refused with the name", "[parameter]") {
     std::mt19937_64 random(22);
     const auto model = identify::testing::makeRandomDevice(random);
     for (const char* name : {"1.z.stifness", "9.z.stiffness", "body.weight", "99.frequency", "1.w.stiffness", "",
-                             "mobile.1.az.offset", "body.inertia.Iyx"}) {
+                             "mobile.1.az.offset", "body.inertia.Iyx", "2.load.rx", "2.ua", "9.ux"}) {
         CAPTURE(name);
         CHECK_THROWS_AS(getParameter(model, name), InputError);
     }

@@ -40,20 +40,17 @@ Recording recordLayout(const SyntheticRun& run, const std::vector<SensorPlace>& 
     recording.first_row = 2;
     for (const SensorPlace& place : places) {
         const bool mobile = place.part == Part::mobile;
-        const auto& R = mobile ? run.R_GM : run.R_GF;
-        const auto &p = mobile ? run.p_M : run.p_F, &w = mobile ? run.w_M : run.w_F, &a = mobile ? run.a_M : run.a_F,
-                   &alpha = mobile ? run.alpha_M : run.alpha_F;
         const Eigen::Matrix3d turned = rotationFromVector(place.rotation);
         const bool single = place.accelerometer && place.name >= "A3";
         for (int axis = single ? 2 : 0; axis < 3; ++axis) {
             Channel channel{place.channelName(axis), "", {}, 0};
             for (std::size_t i = 0; i < run.time.size(); ++i) {
                 const auto k = static_cast<Eigen::Index>(i);
-                const Eigen::Vector3d r = R[i] * place.position, rate = w.col(k), turn = alpha.col(k);
                 const Eigen::Vector3d direction = turned.col(axis);
+                const auto& R = (mobile ? run.R_GM : run.R_GF)[i];
                 const double value = place.accelerometer
-                                         ? (R[i] * direction).dot(a.col(k) + turn.cross(r) + rate.cross(rate.cross(r)))
-                                         : direction.dot(p.col(k) + r - place.position);
+                                         ? (R * direction).dot(run.calcAcceleration(mobile, k, place.position))
+                                         : direction.dot(run.calcDisplacement(mobile, k, place.position));
                 channel.values.push_back(value + (place.accelerometer ? noise.acceleration : noise.displacement) *
                                                      gauss(generator));
             }

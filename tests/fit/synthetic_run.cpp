@@ -136,6 +136,17 @@ SyntheticRun simulateSweep(const MountModel& model, const SweepSettings& setting
     return run;
 }
 
+Eigen::Vector3d SyntheticRun::calcDisplacement(bool of_mobile, Eigen::Index k, const Eigen::Vector3d& position) const {
+    const Eigen::Matrix3d& R = (of_mobile ? R_GM : R_GF)[static_cast<std::size_t>(k)];
+    return (of_mobile ? p_M : p_F).col(k) + R * position - position;
+}
+
+Eigen::Vector3d SyntheticRun::calcAcceleration(bool of_mobile, Eigen::Index k, const Eigen::Vector3d& position) const {
+    const Eigen::Vector3d lever = (of_mobile ? R_GM : R_GF)[static_cast<std::size_t>(k)] * position,
+                          rate = (of_mobile ? w_M : w_F).col(k), turn = (of_mobile ? alpha_M : alpha_F).col(k);
+    return (of_mobile ? a_M : a_F).col(k) + turn.cross(lever) + rate.cross(rate.cross(lever));
+}
+
 Recording record(const SyntheticRun& run, const SensorNoise& noise, std::uint64_t seed) {
     std::mt19937_64 generator(seed);
     std::normal_distribution<double> gauss;
@@ -150,9 +161,6 @@ Recording record(const SyntheticRun& run, const SensorNoise& noise, std::uint64_
         recording.channels.push_back(std::move(channel));
     };
     for (const bool is_mobile : {true, false}) {
-        const auto& R = is_mobile ? run.R_GM : run.R_GF;
-        const auto &p = is_mobile ? run.p_M : run.p_F, &w = is_mobile ? run.w_M : run.w_F,
-                   &a = is_mobile ? run.a_M : run.a_F, &alpha = is_mobile ? run.alpha_M : run.alpha_F;
         for (const auto& connection : run.model.connections) {
             const std::string prefix = (is_mobile ? "mobile." : "fixed.") + connection.name + ".";
             const Eigen::Vector3d& r = connection.position;
@@ -161,16 +169,12 @@ Recording record(const SyntheticRun& run, const SensorNoise& noise, std::uint64_
                 if (noise.displacement >= 0)
                     add(
                         prefix + letter, "m",
-                        [&](Eigen::Index k) { return (p.col(k) + R[static_cast<std::size_t>(k)] * r - r)(axis); },
+                        [&](Eigen::Index k) { return run.calcDisplacement(is_mobile, k, r)(axis); },
                         noise.displacement);
                 if (noise.acceleration >= 0)
                     add(
                         prefix + "a" + letter, "m/s^2",
-                        [&](Eigen::Index k) {
-                            const Eigen::Vector3d lever = R[static_cast<std::size_t>(k)] * r, rate = w.col(k);
-                            return (a.col(k) + Eigen::Vector3d(alpha.col(k)).cross(lever) +
-                                    rate.cross(rate.cross(lever)))(axis);
-                        },
+                        [&](Eigen::Index k) { return run.calcAcceleration(is_mobile, k, r)(axis); },
                         noise.acceleration);
             }
         }

@@ -22,6 +22,11 @@ struct SyntheticRun {
     Eigen::Matrix3Xd p_M, v_M, w_M, a_M, alpha_M;
     Eigen::Matrix3Xd p_F, v_F, w_F, a_F, alpha_F;
     Eigen::Matrix3Xd load;
+
+    /// Displacement from rest and acceleration at sample k, in G, of the material point of the mobile or the fixed part
+    /// at `position` in the part's own frame.
+    Eigen::Vector3d calcDisplacement(bool of_mobile, Eigen::Index k, const Eigen::Vector3d& position) const;
+    Eigen::Vector3d calcAcceleration(bool of_mobile, Eigen::Index k, const Eigen::Vector3d& position) const;
 };
 
 struct SweepSettings {

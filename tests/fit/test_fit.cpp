@@ -11,6 +11,7 @@
 #include "models/error.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/fit/synthetic_run.hpp"
+#include "tests/sanitized.hpp"
 
 namespace wems::identify {
 namespace {
@@ -185,6 +186,7 @@ TEST_CASE("A name that cannot be freed and a run that is too short are refused")
 TEST_CASE("A recording without noise is known best of all") {
     const MountModel truth = makeDevice();
     const double force = GENERATE(200.0, 500.0);
+    if (test::kSanitized && force > 200) return;
     const test::SyntheticRun run = test::simulateSweep(truth, makeSweep({0, 0, force}));
     const std::uint64_t seed = std::random_device{}();
     CAPTURE(seed, force);

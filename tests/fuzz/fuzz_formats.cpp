@@ -6,9 +6,8 @@
 
 #include "models/error.hpp"
 #include "models/recording/column_map.hpp"
-#include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_table.hpp"
-#include "models/recording/uff_reader.hpp"
+#include "models/recording/text_formats.hpp"
 #include "tests/fuzz/promises.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -21,17 +20,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             map = wems::parseColumnMap(text.substr(0, split), "map.toml");
             text.remove_prefix(split + mark.size());
         }
-        wems::RecordingTable table;
-        if (wems::isTrc(text)) {
-            table = wems::readTrc(text, "run");
-        } else if (wems::isUniversalFile(text)) {
-            table = wems::readUniversalFile(text, "run");
-        } else if (wems::isStorage(text)) {
-            table = wems::readStorage(text, "run");
-        } else {
-            return -1;
-        }
-        wems::fuzz::checkPromises(wems::makeRecording(std::move(table), map ? &*map : nullptr));
+        const wems::TextFormat* format = wems::findTextFormat(text);
+        if (format == nullptr) return -1;
+        wems::fuzz::checkPromises(wems::makeRecording(format->read(text, "run"), map ? &*map : nullptr));
     } catch (const wems::InputError& error) {
         wems::fuzz::require(std::string_view(error.what()).find('\n') == std::string_view::npos);
     }

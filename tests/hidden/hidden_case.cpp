@@ -1,11 +1,13 @@
 // Draws a hidden case and writes what a diagnosis may see (base.toml, run1.csv, run2.csv, validate.csv) and the truth
 // (truth.toml, truth.json, plan.json).
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "models/bracket_modes.hpp"
 #include "models/recording/csv_writer.hpp"
 #include "tests/hidden/random_case.hpp"
 #include "tests/hidden/truth_simulator.hpp"
@@ -14,18 +16,6 @@ namespace {
 
 using namespace wems;
 using namespace wems::hidden;
-
-void writeModes(const MountModel& model, const std::string& file) {
-    std::ofstream out(file);
-    out.precision(10);
-    out << "frequency [Hz],damping_ratio,ux,uy,uz,rx,ry,rz,load.ux,load.uy,load.uz\n";
-    for (const auto& mode : model.bracket) {
-        out << mode.frequency << "," << mode.damping_ratio;
-        for (const auto* part : {&mode.translation, &mode.rotation, &mode.load_translation})
-            for (int a = 0; a < 3; ++a) out << "," << (*part)[a];
-        out << "\n";
-    }
-}
 
 nlohmann::json formatTruth(const HiddenCase& hidden) {
     auto causes = nlohmann::json::array();
@@ -68,28 +58,24 @@ void scaleOutside(HiddenCase& hidden, Random& random) {
     }
 }
 
-void run(std::uint64_t seed, std::uint64_t index, const std::string& folder, std::string kind) {
+void run(std::uint64_t seed, std::uint64_t index, const std::string& folder, std::string kind, Sensors sensors) {
     std::seed_seq sequence{seed, index};
     Random random(sequence);
-    if (kind.empty()) {
+    if (kind == "any") {
         const double u = drawUniform(random, 0, 1);
         kind = u < 0.15 ? "none" : u < 0.3 ? "two" : u < 0.45 ? "outside" : listCauses()[index % listCauses().size()];
     }
-    HiddenCase hidden = drawCase(kind, random);
+    HiddenCase hidden = drawCase(kind, random, sensors);
     if (kind != "none" && kind != "two" && kind != "outside") hidden.kind = "single";
     if (kind == "outside") scaleOutside(hidden, random);
     std::filesystem::create_directories(folder);
-    for (auto* model : {&hidden.base, &hidden.truth}) model->bracket_path = folder + "/bracket.csv";
-    writeModes(hidden.base, folder + "/bracket.csv");
-    MountModel truth = hidden.truth;
-    truth.bracket = hidden.base.bracket;
-    for (std::size_t j = 0; j < truth.bracket.size(); ++j)
-        if (hidden.truth.bracket[j].frequency != truth.bracket[j].frequency ||
-            hidden.truth.bracket[j].damping_ratio != truth.bracket[j].damping_ratio) {
-            truth.bracket[j] = hidden.truth.bracket[j];
-            truth.replaced_modes.push_back(static_cast<int>(j) + 1);
-        }
-    writeMountModel(hidden.base, folder + "/base.toml");
+    MountModel base = hidden.base, truth = hidden.truth;
+    base.bracket_path = folder + "/bracket.csv";
+    truth.bracket_path = folder + "/truth_bracket.csv";
+    truth.replaced_modes.clear();  // its own modes file has them
+    std::ofstream(base.bracket_path) << formatBracketModes(base.bracket);
+    std::ofstream(truth.bracket_path) << formatBracketModes(truth.bracket);
+    writeMountModel(base, folder + "/base.toml");
     writeMountModel(truth, folder + "/truth.toml");
     std::ofstream(folder + "/truth.json") << formatTruth(hidden).dump(1) << "\n";
     const char* names[] = {"run1", "run2", "validate"};
@@ -109,8 +95,11 @@ void run(std::uint64_t seed, std::uint64_t index, const std::string& folder, std
 
 int main(int argc, char** argv) {
     try {
-        if (argc < 4) throw std::invalid_argument("usage: hidden_case SEED INDEX FOLDER [KIND]");
-        run(std::stoull(argv[1]), std::stoull(argv[2]), argv[3], argc > 4 ? argv[4] : "");
+        if (argc < 4) throw std::invalid_argument("usage: hidden_case SEED INDEX FOLDER [KIND|any [accelerations]]");
+        const std::string kind = argc > 4 ? argv[4] : "any", sensors = argc > 5 ? argv[5] : "any";
+        if (sensors != "any" && sensors != "accelerations") throw std::invalid_argument("unknown sensors: " + sensors);
+        run(std::stoull(argv[1]), std::stoull(argv[2]), argv[3], kind,
+            sensors == "any" ? Sensors::any : Sensors::accelerations);
         return 0;
     } catch (const std::exception& error) {
         std::cerr << "hidden_case: " << error.what() << "\n";

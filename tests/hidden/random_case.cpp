@@ -49,8 +49,8 @@ void drawRuns(HiddenCase& hidden, Random& random) {
     }
 }
 
-void drawSensors(HiddenCase& hidden, Random& random) {
-    const int kind = drawInteger(random, 0, 9);
+void drawSensors(HiddenCase& hidden, Sensors sensors, Random& random) {
+    const int kind = sensors == Sensors::accelerations ? 9 : drawInteger(random, 0, 9);
     if (kind < 8) hidden.displacement_noise = drawLog(random, 1e-6, 1e-5);
     if (kind >= 5) hidden.acceleration_noise = drawLog(random, 0.01, 0.1);
     hidden.gain_scatter = drawInteger(random, 0, 1) == 0 ? 0.0 : 1e-3;
@@ -151,7 +151,7 @@ std::string formatKind(OutsideEffect::Kind kind) {
     return names[static_cast<int>(kind)];
 }
 
-HiddenCase drawCase(const std::string& kind, Random& random) {
+HiddenCase drawCase(const std::string& kind, Random& random, Sensors sensors) {
     const auto& causes = listCauses();
     const auto drawCause = [&] { return causes[static_cast<std::size_t>(drawInteger(random, 0, 19))]; };
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -160,7 +160,7 @@ HiddenCase drawCase(const std::string& kind, Random& random) {
         HiddenCase hidden;
         hidden.kind = kind;
         hidden.base = drawDevice(random);
-        drawSensors(hidden, random);
+        drawSensors(hidden, sensors, random);
         std::vector<std::string> wanted;
         if (kind == "single") wanted = {drawCause()};
         if (kind == "two") wanted = {drawCause(), drawCause()};

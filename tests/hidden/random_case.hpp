@@ -73,10 +73,13 @@ Effect drawEffect(const std::string& cause, MountModel& base, MountModel& truth,
 /// The catalogue's causes.
 const std::vector<std::string>& listCauses();
 
+/// What is recorded: displacements, accelerations or both at random, or accelerations alone.
+enum class Sensors { any, accelerations };
+
 /// A complete case: effect sizes change the motion by 3 to 50 %, no run is chaotic. Sizes of outside effects are a
 /// first guess.
 /// @param kind as HiddenCase::kind, or the name of a cause
-HiddenCase drawCase(const std::string& kind, Random& random);
+HiddenCase drawCase(const std::string& kind, Random& random, Sensors sensors = Sensors::any);
 
 /// Records a run of the truth by the fast forward model, with noise and faults of sensors. No outside effect.
 Recording recordForward(const HiddenCase& hidden, std::size_t run, std::uint64_t seed);

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "models/parameter_access.hpp"
 #include "tests/hidden/random_case.hpp"
@@ -103,8 +105,10 @@ private:
             } else if (cause == "relaxation") {
                 set(axis + ".stiffness_ratio", between(one, 0.1, 0.7));
                 set(axis + ".time_constant", between(other, 2e-3, 0.03));
-            } else {
+            } else if (cause == "stiffness_drift") {
                 set(axis + ".drift", sign * between(one, 0.003, 0.03));
+            } else {
+                throw std::logic_error("no size is drawn for an effect of " + cause);
             }
         }
     }
@@ -148,12 +152,30 @@ private:
             return;
         }
         effect_.where = {"bracket"};
-        const std::string mode = std::to_string(drawInteger(random_, 1, static_cast<int>(truth_.bracket.size())));
+        const int row = drawInteger(random_, 1, static_cast<int>(truth_.bracket.size()));
+        if (coin(0.3)) {
+            removeMode(row);
+            return;
+        }
+        const std::string mode = std::to_string(row);
         if (coin(0.65)) {
             set(mode + ".frequency", now(mode + ".frequency") * (1 + drawSign(random_) * log(0.015, 0.2)));
         } else {
             set(mode + ".damping_ratio", now(mode + ".damping_ratio") * uniform(2, 6));
         }
+    }
+
+    /// The modes file does not hold it; it would be the row after the last.
+    void removeMode(int row) {
+        const auto at = static_cast<std::ptrdiff_t>(row - 1);
+        for (auto* model : {&base_, &truth_}) {
+            auto& modes = model->bracket;
+            std::rotate(modes.begin() + at, modes.begin() + at + 1, modes.end());
+        }
+        base_.bracket.pop_back();
+        const std::string name = std::to_string(truth_.bracket.size());
+        for (const char* parameter : {".frequency", ".damping_ratio"})
+            effect_.parameters.emplace_back(name + parameter, now(name + parameter));
     }
 
     /// A channel, a triax, or a whole side. The quantity is added when the recording's channels are known.

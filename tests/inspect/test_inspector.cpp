@@ -53,9 +53,8 @@ TEST_CASE("Levels, band and drive of blocks are those of the whole") {
         CHECK(b.name == a.name);
         CHECK(b.lowest == a.lowest);
         CHECK(b.highest == a.highest);
-        // A sample that two blocks share counts twice.
-        CHECK(b.mean == Approx(a.mean).margin(2e-3 * a.rms));
-        CHECK(b.rms == Approx(a.rms).epsilon(2e-3));
+        CHECK(b.mean == Approx(a.mean).margin(1e-9 * a.rms));
+        CHECK(b.rms == Approx(a.rms).epsilon(1e-9));
     }
     CHECK(blocks.swept.source == whole.swept.source);
 }

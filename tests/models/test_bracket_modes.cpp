@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "models/bracket.hpp"
+#include "models/bracket_modes.hpp"
 #include "models/error.hpp"
 
 using namespace wems;
@@ -27,6 +27,29 @@ TEST_CASE("modes file: every column lands in its place") {
     CHECK(modes[0].rotation == Eigen::Vector3d(4, 5, 6));
     CHECK(modes[0].load_translation == Eigen::Vector3d(7, 8, -0.9));
     CHECK(modes[0].base_participation == Eigen::Vector3d(10, 11, 12));
+}
+
+TEST_CASE("modes file: what is written reads back digit for digit") {
+    const bool with_base = GENERATE(false, true);
+    std::vector<BracketMode> modes(2);
+    for (auto& mode : modes) {
+        mode.frequency = 100.0 / 3;
+        mode.damping_ratio = 0.1 / 7;
+        mode.translation = Eigen::Vector3d(1, -2, 0) / 3;
+        mode.rotation = Eigen::Vector3d(4e-17, 5, -6) / 7;
+        mode.load_translation = Eigen::Vector3d(7, 8, 9e12) / 11;
+    }
+    if (with_base) modes[1].base_participation = {1, 0.1, -0.3};
+    const auto again = parseBracketModes(formatBracketModes(modes), "m.csv");
+    REQUIRE(again.size() == modes.size());
+    for (std::size_t j = 0; j < modes.size(); ++j) {
+        CHECK(again[j].frequency == modes[j].frequency);
+        CHECK(again[j].damping_ratio == modes[j].damping_ratio);
+        CHECK(again[j].translation == modes[j].translation);
+        CHECK(again[j].rotation == modes[j].rotation);
+        CHECK(again[j].load_translation == modes[j].load_translation);
+        CHECK(again[j].base_participation == modes[j].base_participation);
+    }
 }
 
 TEST_CASE("modes file: what cannot be used is named with file, line and column") {

@@ -6,9 +6,12 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 
+#include "models/axis_numbers.hpp"
 #include "models/error.hpp"
+#include "models/law_equality.hpp"
 #include "models/mount_forces.hpp"
 #include "models/pi.hpp"
 #include "tests/models/random_values.hpp"
@@ -38,33 +41,6 @@ private:
     fs::path path_;
 };
 
-void checkSameLaw(const AxisLaw& a, const AxisLaw& b) {
-    CHECK(a.stiffness == b.stiffness);
-    CHECK(a.damping == b.damping);
-    CHECK(a.offset == b.offset);
-    CHECK(a.cubic == b.cubic);
-    CHECK(a.loss_factor == b.loss_factor);
-    CHECK(a.drift == b.drift);
-    REQUIRE(a.relaxation.has_value() == b.relaxation.has_value());
-    if (a.relaxation) {
-        CHECK(a.relaxation->stiffness_ratio == b.relaxation->stiffness_ratio);
-        CHECK(a.relaxation->time_constant == b.relaxation->time_constant);
-    }
-    REQUIRE(a.friction.has_value() == b.friction.has_value());
-    if (a.friction) {
-        CHECK(a.friction->force == b.friction->force);
-        CHECK(a.friction->transition_velocity == b.friction->transition_velocity);
-        CHECK(a.friction->presliding_stiffness == b.friction->presliding_stiffness);
-    }
-    REQUIRE(a.stops.size() == b.stops.size());
-    for (std::size_t i = 0; i < a.stops.size(); ++i) {
-        CHECK(a.stops[i].side == b.stops[i].side);
-        CHECK(a.stops[i].clearance == b.stops[i].clearance);
-        CHECK(a.stops[i].stiffness == b.stops[i].stiffness);
-        CHECK(a.stops[i].dissipation == b.stops[i].dissipation);
-    }
-}
-
 void checkSame(const MountModel& a, const MountModel& b) {
     CHECK(a.name == b.name);
     CHECK(a.gravity == b.gravity);
@@ -76,7 +52,7 @@ void checkSame(const MountModel& a, const MountModel& b) {
     for (std::size_t i = 0; i < a.connections.size(); ++i) {
         CHECK(a.connections[i].name == b.connections[i].name);
         CHECK(a.connections[i].position == b.connections[i].position);
-        for (std::size_t k = 0; k < 3; ++k) checkSameLaw(a.connections[i].axis[k], b.connections[i].axis[k]);
+        for (std::size_t k = 0; k < 3; ++k) CHECK(a.connections[i].axis[k] == b.connections[i].axis[k]);
     }
     REQUIRE(a.bracket.size() == b.bracket.size());
     for (std::size_t j = 0; j < a.bracket.size(); ++j) {
@@ -162,6 +138,22 @@ TEST_CASE("every key lands in its place") {
     CHECK(model.places[1].part == Part::fixed);
 }
 
+TEST_CASE("every number of a law is in the sample of every key, in the reference and in the fuzzers' dictionary") {
+    const AxisLaw law = readMountModel(source + "/tests/models/data/every_key.toml").connections[0].axis[2];
+    const auto load = [](const std::string& name) {
+        std::ifstream stream(source + name);
+        return std::string(std::istreambuf_iterator<char>(stream), {});
+    };
+    const std::string reference = load("/models/README.md"), dictionary = load("/tests/fuzz/toml.dict");
+    for (const AxisNumber& number : kAxisNumbers) {
+        const std::string key = number.key;
+        CAPTURE(key);
+        CHECK(law.*number.member != 0);
+        CHECK_THAT(reference, Catch::Contains("`" + key + "`"));
+        CHECK_THAT(dictionary, Catch::Contains("\"" + key + " = \""));
+    }
+}
+
 TEST_CASE("what is written reads back to the same model") {
     const unsigned seed = GENERATE(range(1U, 60U));
     CAPTURE(seed);
@@ -186,6 +178,22 @@ TEST_CASE("a model written to another folder still finds its bracket") {
     const MountModel again = readMountModel(file);
     checkSame(again, model);
     CHECK(again.bracket_file == "../every_key.csv");
+}
+
+TEST_CASE("a model with an added mode brings a modes file of its own") {
+    const TemporaryFolder folder;
+    const fs::path data = source + "/tests/models/data";
+    MountModel model = readMountModel((data / "every_key.toml").string());
+    BracketMode added = model.bracket.front();
+    added.frequency = 61.5;
+    added.rotation = {1, 2, 3};
+    model.bracket.push_back(added);
+    const std::string file = (folder.path() / "deeper" / "longer.toml").string();
+    writeMountModel(model, file);
+    const MountModel again = readMountModel(file);
+    checkSame(again, model);
+    CHECK(again.bracket_file == "longer_bracket.csv");
+    CHECK(again.bracket.back().rotation == added.rotation);
 }
 
 TEST_CASE("a model that is no model is not written") {

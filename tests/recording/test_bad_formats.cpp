@@ -1,12 +1,17 @@
 // Damaged and misnamed files of the foreign formats: one line that says what is wrong, and never a crash.
+#include <zlib.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <vector>
 
 #include "models/error.hpp"
+#include "models/recording/mat_extent.hpp"
 #include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/uff_reader.hpp"
@@ -86,6 +91,65 @@ TEST_CASE("MATLAB files whose sizes cannot be true are refused before memory is 
     refuses(many);
     const std::string old("\0\0\0\0\0\0\1\0\1\0\0\0\0\0\0\0\2\0\0\0a\0", 22);  // version 4: 65536 rows
     refuses(old + std::string(100, 'x'));
+}
+
+TEST_CASE("Compressed MATLAB variables that claim more than they hold are refused, whole ones are read") {
+    const std::string file_header = load("scipy_channels.mat").substr(0, 128);
+    const auto word = [](std::uint32_t value) { return std::string(reinterpret_cast<const char*>(&value), 4); };
+    const auto element = [&](std::uint32_t type, const std::string& data) {
+        return word(type) + word(static_cast<std::uint32_t>(data.size())) + data +
+               std::string((8 - data.size() % 8) % 8, '\0');
+    };
+    // A column of doubles `time`; the header may claim other sizes than there are values.
+    const auto variable = [&](std::uint32_t rows, std::uint32_t more, std::size_t values) {
+        const std::string array = element(6, word(6) + word(0)) + element(5, word(rows) + word(1)) +
+                                  element(1, "time") + element(9, std::string(8 * values, '\0'));
+        return word(14) + word(static_cast<std::uint32_t>(array.size()) + more) + array;
+    };
+    const auto compressed = [&](const std::string& plain, std::size_t cut) {
+        std::vector<Bytef> stream(compressBound(plain.size()));
+        uLongf size = stream.size();
+        REQUIRE(compress(stream.data(), &size, reinterpret_cast<const Bytef*>(plain.data()), plain.size()) == Z_OK);
+        size -= cut;
+        return file_header + word(15) + word(static_cast<std::uint32_t>(size)) +
+               std::string(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(size));
+    };
+    CHECK_NOTHROW(checkMatExtent(compressed(variable(100, 0, 100), 0), "run.mat"));
+    // Compressed 700-fold, which is rare but true.
+    CHECK_NOTHROW(checkMatExtent(compressed(variable(100000, 0, 100000), 0), "run.mat"));
+    const auto refuses = [](const std::string& content) {
+        CHECK_THROWS_WITH(checkMatExtent(content, "run.mat"),
+                          Contains("run.mat") && Contains("the variable compressed at byte 136"));
+    };
+    refuses(compressed(variable(4000000000, 0, 100), 0));   // more rows than bytes
+    refuses(compressed(variable(100, 1U << 30U, 100), 0));  // an array larger than its stream
+    refuses(compressed(variable(100000, 0, 100000), 40));   // a stream that is cut off
+    std::string flipped = compressed(variable(100, 0, 100), 0);
+    flipped[137] = '\x7f';  // no zlib stream
+    refuses(flipped);
+    std::string checksum = compressed(variable(100, 0, 100), 0);
+    checksum.back() = static_cast<char>(checksum.back() ^ 1);
+    CHECK_THROWS_WITH(checkMatExtent(checksum, "run.mat"), Contains("the variable compressed at byte 136 is damaged"));
+}
+
+TEST_CASE("MATLAB's store of objects, a variable without a name, is no column") {
+    const std::string file_header = load("scipy_channels.mat").substr(0, 128);
+    const auto word = [](std::uint32_t value) { return std::string(reinterpret_cast<const char*>(&value), 4); };
+    const auto element = [&](std::uint32_t type, const std::string& data) {
+        return word(type) + word(static_cast<std::uint32_t>(data.size())) + data +
+               std::string((8 - data.size() % 8) % 8, '\0');
+    };
+    const auto variable = [&](const std::string& name) {
+        return element(14, element(6, word(6) + word(0)) + element(5, word(16) + word(1)) + element(1, name) +
+                               element(9, std::string(std::size_t{8} * 16, '\0')));
+    };
+    const auto write = [](const std::string& content) {
+        return test::TemporaryFile(content);  // begins with "MATLAB 5.0", whatever its name
+    };
+    CHECK_THROWS_WITH(readRecording(write(file_header + variable("")).path()),
+                      Contains("holds no numeric vector or matrix") && Contains("objects must be saved"));
+    CHECK_THROWS_WITH(readRecording(write(file_header + variable("a") + variable("")).path()),
+                      Contains("there is no time column; there are a (accepted"));
 }
 
 TEST_CASE("A name that promises another content") {

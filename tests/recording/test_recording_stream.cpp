@@ -40,7 +40,7 @@ TEST_CASE("Blocks join to the whole recording") {
     std::mt19937 random(seed);
     const std::size_t samples = 300000 + random() % 100000;  // several of the pieces in which the file is read
     const test::TemporaryFile file(makeText(samples, random) + (random() % 2 == 0 ? "" : "\n\n"));
-    REQUIRE(isPlainCsv(file.path()));
+    REQUIRE(isStreamable(file.path()));
     const Recording whole = readRecording(file.path());
     const std::size_t rows = 1000 + random() % 200000;
     CAPTURE(samples, rows);
@@ -113,10 +113,11 @@ TEST_CASE("Bad rows of long recordings are named as in short ones") {
     CHECK_THROWS_WITH(readBlocks(late.path(), 3), Contains("has values from this row on and none before"));
 }
 
-TEST_CASE("Only plain CSV is read in blocks") {
-    CHECK_FALSE(isPlainCsv(WEMS_SOURCE_DIR "/tests/recording/data/table.sto"));
-    CHECK_FALSE(isPlainCsv(WEMS_SOURCE_DIR "/tests/recording/data/scipy_vectors.mat"));
-    CHECK_FALSE(isPlainCsv(WEMS_SOURCE_DIR "/tests/recording"));
-    CHECK_FALSE(isPlainCsv("there-is-none.csv"));
-    CHECK(isPlainCsv(WEMS_SOURCE_DIR "/tests/recording/data/daq_preamble.csv"));
+TEST_CASE("Text formats and binary universal files are read in blocks, MATLAB files are not") {
+    CHECK(isStreamable(WEMS_SOURCE_DIR "/tests/recording/data/table.sto"));
+    CHECK(isStreamable(WEMS_SOURCE_DIR "/tests/recording/data/pyuff_binary.uff"));
+    CHECK_FALSE(isStreamable(WEMS_SOURCE_DIR "/tests/recording/data/scipy_vectors.mat"));
+    CHECK_FALSE(isStreamable(WEMS_SOURCE_DIR "/tests/recording"));
+    CHECK_FALSE(isStreamable("there-is-none.csv"));
+    CHECK(isStreamable(WEMS_SOURCE_DIR "/tests/recording/data/daq_preamble.csv"));
 }

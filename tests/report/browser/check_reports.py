@@ -8,10 +8,13 @@ Exit status 77: there is no browser or no Selenium (Debian: chromium-driver, pyt
 """
 import argparse
 import base64
+import bisect
 import csv
+import json
 import os
 import re
 import shutil
+import statistics
 import sys
 import time
 from pathlib import Path
@@ -136,6 +139,10 @@ def check_pictures(browser, name, checks):
     for share, colors in browser.execute_script(CANVASES, ".scene canvas"):
         checks.check(share > 0.03 and colors > 100, f"{name}: the device is drawn")
     checks.check(len(find(browser, ".scene canvas")) == len(scenes), f"{name}: a canvas for each moving picture")
+    surfaces = browser.execute_script(CANVASES, ".surface canvas")
+    checks.check(len(surfaces) == len(find(browser, ".surface")), f"{name}: a canvas for each surface")
+    for share, colors in surfaces:
+        checks.check(share > 0.03 and colors > 20, f"{name}: the surface is drawn")
     for label in browser.execute_script(
             "return [...document.querySelectorAll('.plot')].map(p => p.querySelectorAll('.dygraph-axis-label').length)"):
         checks.check(label >= 4, f"{name}: a plot has numbers at its axes")
@@ -169,8 +176,8 @@ def check_names(browser, name, checks):
         checks.check(len(names) == len(set(names)), f"{name}: names of the controls of a group differ")
 
 
-def picture_of(browser):
-    return browser.execute_script("return document.querySelector('.scene canvas').toDataURL()")
+def picture_of(browser, figure=".scene"):
+    return browser.execute_script("return document.querySelector(arguments[0] + ' canvas').toDataURL()", figure)
 
 
 def check_contact(words, name, out, checks):
@@ -265,6 +272,67 @@ def check_legend(browser, name, checks):
     checks.check(buttons[0].get_attribute("aria-pressed") == "true", f"{name}: a series is shown again")
 
 
+def read_plots(page):
+    """The plots of a page by title: {series: (x, y)}."""
+    plots = {}
+    for text in re.findall(r"^wemsPlot\(\{(.*)\}\);$", page.read_text(), re.M):
+        title = json.loads(re.search(r'title:("(?:[^"\\]|\\.)*")', text)[1])
+        plots[title] = {}
+        for series in re.finditer(r'\{name:("(?:[^"\\]|\\.)*"),[^\[]*x:\[([^\]]*)\],y:\[([^\]]*)\]\}', text):
+            x, y = ([float(value) for value in series[i].split(",") if value] for i in (2, 3))
+            plots[title][json.loads(series[1])] = (x, y)
+    return plots
+
+
+def distance(cloud, curve):
+    """Median distance of the points of a cloud from a curve, over what the curve spans."""
+    def on_curve(x):
+        at = min(max(bisect.bisect(curve[0], x), 1), len(curve[0]) - 1)
+        share = (x - curve[0][at - 1]) / (curve[0][at] - curve[0][at - 1])
+        return curve[1][at - 1] + share * (curve[1][at] - curve[1][at - 1])
+    span = max(curve[1]) - min(curve[1])
+    return statistics.median(abs(y - on_curve(x)) for x, y in zip(*cloud)) / span
+
+
+def check_diagnosis(browser, page, checks):
+    """Before and after: the extended model is the one that the measurement lies on."""
+    plots = read_plots(page)
+    for axis in (f"{connection}.{letter}" for connection in "1234" for letter in "xyz"):
+        curves = plots.get(f"Restoring force at {axis}", {})
+        checks.check(sorted(curves) == ["law after", "law before", "measured, after", "measured, before"],
+                     f"diagnose: restoring force at {axis}: {sorted(curves)}")
+    error = next(plot for title, plot in plots.items() if title.startswith("Error of the free simulation"))
+    level = {series: statistics.median(y) for series, (_, y) in error.items()}
+    checks.check(level["noise alone"] < 1.5 * level["error after"] < level["error before"] < 3 * level["measured motion"],
+                 f"diagnose: medians of the errors: {level}")
+    named = re.search(r"The diagnosis names (\d\.[xyz]):", page.read_text())
+    checks.check(named, "diagnose: an axis is named")
+    if named:
+        curves = plots[f"Restoring force at {named[1]}"]
+        after = distance(curves["measured, after"], curves["law after"])
+        checks.check(after < 0.02, f"diagnose: points are {100 * after:.2f} % off the law after")
+        checks.check(f"Force at {named[1]} around its largest motion" in plots, "diagnose: the largest motion is drawn")
+        checks.check(sorted(plots[f"Envelope of the motion at {named[1]}"]) == ["after", "before", "measured"],
+                     "diagnose: envelope of all three")
+        for order in (1, 2, 3):
+            for kind in ("Amplitude", "Phase"):
+                checks.check(f"{kind} of order {order} at {named[1]}" in plots, f"diagnose: {kind} of order {order}")
+    for element in find(browser, ".surface .controls input, .surface .controls select"):
+        before = picture_of(browser, ".surface")
+        if element.tag_name == "select":
+            browser.execute_script(SET, element, 1)
+        else:
+            element.click()
+        two_frames(browser)
+        checks.check(picture_of(browser, ".surface") != before,
+                     f"diagnose: '{element.accessible_name}' changes the surface")
+        if element.tag_name == "select":
+            browser.execute_script(SET, element, 0)
+        else:
+            element.click()
+        two_frames(browser)
+
+
 def main():
     parser = argparse.ArgumentParser()
     for option in ("simulate", "identify", "device", "out"):
@@ -289,6 +357,8 @@ def main():
                 check_zoom(browser, name, checks)
                 check_legend(browser, name, checks)
                 check_scene(browser, name, arguments.out, checks)
+            if name == "diagnose":
+                check_diagnosis(browser, page, checks)
             check_page(browser, name, checks, arguments.out)
             errors = [entry["message"] for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
             checks.check(not errors, f"{name}: console errors {errors}")

@@ -1,0 +1,26 @@
+/// @file
+/// Restoring forces of the connections in the report of a diagnosis: what the equations of motion demand along the
+/// measured motion, against what the model's laws give, before and after.
+///
+/// The mobile part has six equations, its connections have more axes. The force that is drawn as measured at an axis is
+/// the one that the equations demand of it if every other axis follows its law (a partial residual):
+///
+///     f_measured = f_law − dᵀ W r / (dᵀ W d)
+///
+/// with r the residual wrench of the model, d the axis' direction in it and W the inverse covariance of the wrench that
+/// the channels' noise gives.
+#pragma once
+
+#include <vector>
+
+#include "identify/cli/judged_runs.hpp"
+#include "models/report/html_report.hpp"
+
+namespace wems::identify::cli {
+
+/// Curves of all axes, the named one's loops at its largest motion and its surface over displacement and velocity.
+/// @param named whose surface is drawn; absent: the axis with the largest force
+void addRestoringForces(HtmlReport& page, const std::vector<JudgedRun>& runs, const MountModel& before,
+                        const MountModel& after, const std::optional<AxisPlace>& named);
+
+}  // namespace wems::identify::cli

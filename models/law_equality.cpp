@@ -1,0 +1,48 @@
+#include "models/law_equality.hpp"
+
+#include <tuple>
+
+namespace wems {
+namespace {
+
+// Structured bindings, so that a parameter that is added to a struct does not compile until it is compared here.
+
+auto valuesOf(const Stop& stop) {
+    const auto& [side, clearance, stiffness, dissipation] = stop;
+    return std::tie(side, clearance, stiffness, dissipation);
+}
+
+auto valuesOf(const Relaxation& relaxation) {
+    const auto& [stiffness_ratio, time_constant] = relaxation;
+    return std::tie(stiffness_ratio, time_constant);
+}
+
+auto valuesOf(const Friction& friction) {
+    const auto& [force, transition_velocity, presliding_stiffness] = friction;
+    return std::tie(force, transition_velocity, presliding_stiffness);
+}
+
+auto valuesOf(const AxisLaw& law) {
+    const auto& [stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, stops] = law;
+    return std::tie(stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, stops);
+}
+
+}  // namespace
+
+bool operator==(const Stop& a, const Stop& b) {
+    return valuesOf(a) == valuesOf(b);
+}
+
+bool operator==(const Relaxation& a, const Relaxation& b) {
+    return valuesOf(a) == valuesOf(b);
+}
+
+bool operator==(const Friction& a, const Friction& b) {
+    return valuesOf(a) == valuesOf(b);
+}
+
+bool operator==(const AxisLaw& a, const AxisLaw& b) {
+    return valuesOf(a) == valuesOf(b);
+}
+
+}  // namespace wems

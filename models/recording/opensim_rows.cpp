@@ -1,0 +1,40 @@
+#include "models/recording/opensim_rows.hpp"
+
+#include <algorithm>
+
+#include "models/recording/utf8.hpp"
+
+namespace wems {
+namespace {
+
+constexpr std::size_t kRowsAtOnce = 4096;
+
+/// Rows of `text`, from its first megabyte.
+double estimateRows(std::string_view text) {
+    const std::string_view head = text.substr(0, 1U << 20U);
+    const auto ends = static_cast<double>(std::count(head.begin(), head.end(), '\n'));
+    const bool whole = head.size() == text.size();
+    if (whole) return ends + (text.empty() || text.back() == '\n' ? 0 : 1);
+    return ends * static_cast<double>(text.size()) / static_cast<double>(head.size());
+}
+
+}  // namespace
+
+OpensimRows::OpensimRows(const std::string& file, const ColumnMap* map)
+    : text_(file, TextFile::Pages::as_needed), lines_(skipByteOrderMark(text_.view())) {
+    RecordingTable table = isTrc(lines_.rest()) ? readTrcHeader(lines_, file) : readStorageHeader(lines_, file);
+    column_count_ = table.columns.size();
+    plan_ = planTable(table, map);
+    expected_samples_ = estimateRows(lines_.rest());
+}
+
+bool OpensimRows::append(Recording& rows) {
+    if (lines_.atEnd()) return false;
+    auto values = readNumberRows(lines_, column_count_, plan_.recording.file, kRowsAtOnce);
+    for (std::size_t k = 0; k < plan_.columns.size(); ++k)
+        appendValues(plan_, k, std::move(values[plan_.columns[k].index]), rows);
+    text_.release();
+    return true;
+}
+
+}  // namespace wems

@@ -1,0 +1,69 @@
+#include "plugin/excitation_kinds.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "models/error.hpp"
+#include "models/format_number.hpp"
+#include "plugin/simulate_options.hpp"
+
+namespace wems::plugin {
+namespace {
+
+/// `5:50` as numbers, exactly `count` of them and all positive.
+std::vector<double> parseColons(const std::string& text, std::size_t count, const std::string& option,
+                                const std::string& accepted) {
+    std::vector<double> numbers;
+    std::stringstream stream(text);
+    for (std::string part; std::getline(stream, part, ':');) {
+        char* end = nullptr;
+        const double value = std::strtod(part.c_str(), &end);
+        if (part.empty() || *end != '\0' || !std::isfinite(value) || !(value > 0)) break;
+        numbers.push_back(value);
+    }
+    std::string rest;
+    if (numbers.size() != count || stream >> rest || text.back() == ':')
+        throw InputError({"", 0, option}, "`" + text + "` is not understood", accepted);
+    return numbers;
+}
+
+Fade fadeOf(const SimulateOptions& options) {
+    return {options.fade, options.fade};
+}
+
+NamedSignal makeSweep(const std::string& value, const SimulateOptions& options) {
+    const auto f = parseColons(value, 2, "--sweep", "two frequencies in Hz, such as 5:50");
+    const std::string range = "sine sweep " + formatNumber(f[0]) + " to " + formatNumber(f[1]) + " Hz, ";
+    if (options.hertz_per_second)
+        return {makeLinearSweep(f[0], f[1], *options.hertz_per_second, fadeOf(options)), true,
+                range + formatNumber(*options.hertz_per_second) + " Hz per second"};
+    const double rate = options.octaves_per_minute.value_or(4);
+    return {makeLogarithmicSweep(f[0], f[1], rate, fadeOf(options)), true,
+            range + formatNumber(rate) + " octaves per minute"};
+}
+
+NamedSignal makeDwellSignal(const std::string& value, const SimulateOptions& options) {
+    const auto f = parseColons(value, 2, "--dwell", "frequency in Hz and duration in s, such as 30:10");
+    return {makeDwell(f[0], f[1], fadeOf(options)), true,
+            "dwell at " + formatNumber(f[0]) + " Hz, " + formatNumber(f[1]) + " s"};
+}
+
+NamedSignal makeRandom(const std::string& value, const SimulateOptions& options) {
+    const auto f = parseColons(value, 3, "--random", "band in Hz and duration in s, such as 5:50:60");
+    return {makeBandLimitedRandom(f[0], f[1], f[2], options.seed, fadeOf(options)), false,
+            "random " + formatNumber(f[0]) + " to " + formatNumber(f[1]) + " Hz, " + formatNumber(f[2]) + " s"};
+}
+
+}  // namespace
+
+const std::vector<ExcitationKind>& excitationKinds() {
+    static const std::vector<ExcitationKind> kinds{
+        {"--sweep", "f0:f1", "sine sweep f0:f1 in Hz, downwards if f1 < f0", true, makeSweep},
+        {"--dwell", "f:duration", "sine f:duration in Hz and s", false, makeDwellSignal},
+        {"--random", "f0:f1:duration", "band-limited noise f0:f1:duration in Hz and s; levels are RMS", false,
+         makeRandom}};
+    return kinds;
+}
+
+}  // namespace wems::plugin

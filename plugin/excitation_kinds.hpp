@@ -1,0 +1,36 @@
+/// @file
+/// The excitations that `simulate` makes by itself, each told once: its option, help, rules and errors follow from this
+/// table.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "models/excitation.hpp"
+
+namespace wems::plugin {
+
+struct SimulateOptions;
+
+/// A signal of unit amplitude and what the recording calls it.
+struct NamedSignal {
+    std::shared_ptr<const Signal> signal;
+    bool swept;               ///< one frequency at a time, so that summaries may speak of the swept frequency
+    std::string description;  ///< `dwell at 29 Hz, 10 s`
+};
+
+struct ExcitationKind {
+    const char* option;  ///< `--dwell`
+    const char* form;    ///< of its value: `f:duration`
+    const char* help;
+    bool takes_rate;  ///< goes with --rate and --linear-rate
+    /// @param value what the user gave to the option
+    /// @throws InputError if the value is not of that form or out of range
+    NamedSignal (*make)(const std::string& value, const SimulateOptions& options);
+};
+
+/// In the order of the help.
+const std::vector<ExcitationKind>& excitationKinds();
+
+}  // namespace wems::plugin

@@ -1,0 +1,189 @@
+// Long recordings of the formats other than CSV in blocks: together they are what readRecording() reads at once.
+#include <array>
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <cstring>
+#include <random>
+
+#include "models/error.hpp"
+#include "models/recording/recording_reader.hpp"
+#include "models/recording/recording_stream.hpp"
+#include "tests/recording/temporary_file.hpp"
+
+using namespace wems;
+using Catch::Contains;
+
+namespace {
+
+template <typename... Values>
+std::string print(const char* format, Values... values) {
+    std::array<char, 200> text{};
+    std::snprintf(text.data(), text.size(), format, values...);
+    return text.data();
+}
+
+double draw(std::mt19937& random) {
+    return 1e-6 * static_cast<double>(random() % 2000000) - 1;
+}
+
+std::string makeTrc(std::size_t rows, std::mt19937& random) {
+    std::string text =
+        "PathFileType\t4\t(X/Y/Z)\trun.trc\nDataRate\tNumMarkers\tUnits\n1000\t2\tmm\n"
+        "Frame#\tTime\tmobile.1\t\t\tmobile.2\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n";
+    for (std::size_t k = 0; k < rows; ++k) {
+        text += print("%zu\t%.3f", k + 1, 1e-3 * static_cast<double>(k));
+        for (int i = 0; i < 6; ++i) text += print("\t%.6f", 300 + draw(random));
+        text += "\n";
+    }
+    return text;
+}
+
+std::string makeStorage(std::size_t rows, std::mt19937& random) {
+    std::string text = "run\nversion=1\nendheader\ntime\tmobile.1.z\tsomething\tload.fz\n";
+    for (std::size_t k = 0; k < rows; ++k)
+        text +=
+            print("%.3f\t%.6f\t%.6f\t%.6f\n", 1e-3 * static_cast<double>(k), draw(random), draw(random), draw(random));
+    return text;
+}
+
+struct UffKind {
+    bool binary, even, double_precision;
+};
+
+/// Node 1 in +X and +Z, between them a spectrum, which is not read.
+std::string makeUff(std::size_t points, const UffKind& kind, std::mt19937& random) {
+    std::string text;
+    for (const int direction : {1, 0, 3}) {
+        const bool spectrum = direction == 0;
+        std::string numbers;
+        std::size_t on_line = 0;
+        const auto add = [&](double value, bool wide) {
+            if (kind.binary) {
+                const auto narrow = static_cast<float>(value);
+                std::array<char, 8> bytes{};
+                std::memcpy(bytes.data(), wide ? static_cast<const void*>(&value) : &narrow, wide ? 8 : 4);
+                numbers.append(bytes.data(), wide ? 8 : 4);
+            } else {
+                numbers += wide ? print("%20.11e", value) : print("%13.5e", value);
+            }
+        };
+        const std::size_t per_line = (kind.double_precision ? 4U : 6U) / (kind.even ? 1U : 2U);
+        for (std::size_t k = 0; k < points; ++k) {
+            if (!kind.even) add(1e-3 * (static_cast<double>(k) + 0.3 * static_cast<double>(k % 2)), false);
+            add(draw(random), kind.double_precision);
+            if (!kind.binary && (++on_line % per_line == 0 || k + 1 == points)) numbers += "\n";
+        }
+        text += "    -1\n    58" +
+                (kind.binary ? print("b%6d%6d%12d%12zu%6d%6d%12d%12d", 1, 2, 11, numbers.size(), 0, 0, 0, 0) : "") +
+                "\nrun\nNONE\nNONE\nNONE\nNONE\n" +
+                print("%5d%10d%5d%10d %-10s%10d%4d %-10s%10d%4d\n", spectrum ? 9 : 1, 0, 0, 0, "NONE", 1, direction,
+                      "NONE", 0, 0) +
+                print("%10d%10zu%10d%13.5e%13.5e%13.5e\n", kind.double_precision ? 4 : 2, points, kind.even ? 1 : 0,
+                      0.0, 1e-3, 0.0);
+        for (const int axis : {spectrum ? 18 : 17, 8, 0, 0})
+            text += print("%10d%5d%5d%5d %-20s %-20s\n", axis, 0, 0, 0, "NONE",
+                          axis == 17 ? "s" : (axis == 8 ? "mm" : "NONE"));
+        text += numbers + "    -1\n";
+    }
+    return text;
+}
+
+std::string uffColumns() {
+    return "[columns]\n\"1:+X\" = \"mobile.1.x\"\n\"1:+Z\" = \"mobile.1.z\"\n";
+}
+
+void checkBlocks(const std::string& file, const ColumnMap* map, std::size_t rows, bool even = true) {
+    REQUIRE(isStreamable(file));
+    const Recording whole = readRecording(file, map);
+    RecordingStream stream(file, map, rows);
+    CHECK(stream.expectedSamples() == Approx(whole.sampleCount()).epsilon(0.05));
+    std::size_t next = 0;
+    std::vector<std::string> warnings;
+    for (Recording block; stream.next(block);) {
+        const std::size_t first = next > 0 ? next - 1 : 0, count = block.sampleCount();
+        REQUIRE(first + count <= whole.sampleCount());
+        CHECK(block.first_row == whole.first_row + static_cast<long>(first));
+        CHECK(block.format == whole.format);
+        CHECK(block.unused_columns == whole.unused_columns);
+        const auto part = [&](const std::vector<double>& values) {
+            const auto begin = values.begin() + static_cast<std::ptrdiff_t>(first);
+            return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(count));
+        };
+        CHECK(block.time == part(whole.time));
+        REQUIRE(block.channels.size() == whole.channels.size());
+        for (std::size_t c = 0; c < block.channels.size(); ++c) {
+            CHECK(block.channels[c].name == whole.channels[c].name);
+            CHECK(block.channels[c].values == part(whole.channels[c].values));
+        }
+        warnings.insert(warnings.end(), block.warnings.begin(), block.warnings.end());
+        next = first + count;
+    }
+    CHECK(next == whole.sampleCount());
+    if (even) CHECK(warnings == whole.warnings);  // uneven stamps are told of each block
+}
+
+}  // namespace
+
+TEST_CASE("Blocks of OpenSim's tables join to the whole recording") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const std::size_t samples = 10000 + random() % 10000, rows = 500 + random() % 12000;
+    CAPTURE(samples, rows);
+    checkBlocks(test::TemporaryFile(makeTrc(samples, random)).path(), nullptr, rows);
+    checkBlocks(test::TemporaryFile(makeStorage(samples, random) + (random() % 2 == 0 ? "" : "\n\n")).path(), nullptr,
+                rows);
+}
+
+TEST_CASE("Blocks of universal files join to the whole recording") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const std::size_t samples = 10000 + random() % 10000, rows = 500 + random() % 12000;
+    const auto kind = GENERATE(values<UffKind>({{false, true, true},
+                                                {false, true, false},
+                                                {false, false, true},
+                                                {true, true, true},
+                                                {true, false, false},
+                                                {true, false, true}}));
+    CAPTURE(samples, rows, kind.binary, kind.even, kind.double_precision);
+    const ColumnMap map = parseColumnMap(uffColumns(), "map.toml");
+    const test::TemporaryFile file(makeUff(samples, kind, random));
+    checkBlocks(file.path(), &map, rows, kind.even);
+    // The last function alone: the time is still that of the first.
+    const ColumnMap last = parseColumnMap("[columns]\n\"1:+Z\" = \"mobile.1.z\"\n", "map.toml");
+    checkBlocks(file.path(), &last, rows, kind.even);
+}
+
+TEST_CASE("What is wrong far inside a long recording is named as in a short one") {
+    std::mt19937 random(5);
+    const auto fails = [](const std::string& text, const ColumnMap* map, const std::string& message) {
+        const test::TemporaryFile file(text);
+        CHECK_THROWS_WITH(readRecording(file.path(), map), Contains(message));
+        RecordingStream stream(file.path(), map, 1000);
+        Recording block;
+        CHECK_THROWS_WITH(
+            [&] {
+                while (stream.next(block)) {
+                }
+            }(),
+            Contains(message));
+    };
+    const std::string storage = makeStorage(9000, random);
+    fails(storage + "9.000\t1\tx\t1\n", nullptr, ":9005: 'x', number 3 of the row, is not a number");
+    fails(storage + "\n9.000\t1\t1\t1\n", nullptr, ":9005: blank row inside the data");
+    const ColumnMap map = parseColumnMap(uffColumns(), "map.toml");
+    const std::string uff = makeUff(9000, {false, true, true}, random);
+    fails(uff.substr(0, uff.size() - 5000), &map, "the file ends within a dataset 58");
+    std::string late = makeUff(9000, {false, false, true}, random);
+    late.replace(late.rfind("  8.99800e+00"), 13, "  8.99810e+00");
+    const test::TemporaryFile file(late);
+    RecordingStream stream(file.path(), &map, 1000);
+    Recording block;
+    CHECK_THROWS_WITH(
+        [&] {
+            while (stream.next(block)) {
+            }
+        }(),
+        Contains("its times are not those of 1:+X"));
+}
