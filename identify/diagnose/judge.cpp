@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "identify/diagnose/cause_report.hpp"
+#include "identify/diagnose/fit_bias.hpp"
 #include "identify/diagnose/free_error.hpp"
 #include "identify/diagnose/leftover.hpp"
 
@@ -16,9 +17,12 @@ namespace {
 constexpr double kFloors = 1.5;       // the verdict's limits: noise floors …
 constexpr double kLeastError = 0.03;  // … and error
 constexpr double kNamed = 0.5;
-constexpr double kAloneInAxis = 0.9;     // share of the base model's residual of the axis that is the place of all
-constexpr double kCloserGain = 0.001;    // of the misfit per value, once the simulation says that something is missing
-constexpr double kCloserShare = 0.5;     // of the simulated error above the noise that may be left then
+constexpr double kAloneInAxis = 0.9;   // share of the base model's residual of the axis that is the place of all
+constexpr double kCloserGain = 0.001;  // of the misfit per value, once the simulation says that something is missing
+constexpr double kCloserShare = 0.5;   // of the simulated error above the noise that may be left then
+constexpr double kBiasDoubt = 0.3;     // standard deviation of a bias that was measured, relative
+constexpr int kBiasPasses = 2;
+constexpr double kMoreExcess = 1.1;      // of the simulated error above the noise that its removal may bring
 constexpr int kPatches = 3;              // accepted laws at one axis that are no explanation
 constexpr double kOpenLoopEnough = 1.5;  // misfit per value of a model that is right but cannot be predicted freely
 
@@ -63,6 +67,7 @@ public:
         if (unexplained && !pass_.selection.accepted.empty() &&
             result_.error_after.validation > corrected_before_.validation)
             dropCauses();
+        if (!unexplained) removeBias();
         std::vector<Judgement> without;
         for (std::size_t i = 0; i < pass_.selection.models_without.size(); ++i)
             without.push_back(judge(calcFreeError(pass_.judge_group.free_runs, pass_.selection.models_without[i]).error,
@@ -103,6 +108,46 @@ private:
         return isLarge(result_.error_after.validation, result_.noise_floor.validation) && misfit > kOpenLoopEnough;
     }
 
+    /// Whole sides of sensors, which the equations know to first order.
+    bool namesSensors() const {
+        const auto& accepted = pass_.selection.accepted;
+        return std::any_of(accepted.begin(), accepted.end(),
+                           [](const Candidate& candidate) { return candidate.cause.rfind("sensor_", 0) == 0; });
+    }
+
+    /// Takes from the values what the method makes of simulated recordings whose values are known, unless the free
+    /// simulation loses by it. A bias beyond the standard error is measured once more where the values are then.
+    void removeBias() {
+        auto& selection = pass_.selection;
+        if (selection.accepted.empty() || namesSensors()) return;
+        const auto knobs = collectKnobs(selection.accepted);
+        const auto isWithinErrors = [&](const Eigen::VectorXd& bias) {
+            for (std::size_t i = 0; i < knobs.size(); ++i)
+                if (std::abs(bias[static_cast<Eigen::Index>(i)]) > selection.standard_errors[i]) return false;
+            return true;
+        };
+        const ParameterFit biased = selection.fit;
+        const double excess = calcExcess(result_.error_after.validation);
+        Eigen::VectorXd bias;
+        for (int pass = 0; pass < kBiasPasses && (pass == 0 || !isWithinErrors(bias)); ++pass) {
+            bias = calcFitBias(pass_.fit_group.motions, model_, selection.fit.model, knobs);
+            for (std::size_t i = 0; i < knobs.size(); ++i) {
+                auto& value = selection.fit.values[i];
+                value = std::clamp(biased.values[i] - bias[static_cast<Eigen::Index>(i)], knobs[i].lowest(biased.model),
+                                   knobs[i].highest(biased.model));
+                knobs[i].set(selection.fit.model, value);
+            }
+        }
+        measureAfter();
+        if (calcExcess(result_.error_after.validation) > kMoreExcess * excess) {
+            selection.fit = biased;
+            measureAfter();
+        }
+        for (std::size_t i = 0; i < knobs.size(); ++i)
+            selection.standard_errors[i] =
+                std::hypot(selection.standard_errors[i], kBiasDoubt * bias[static_cast<Eigen::Index>(i)]);
+    }
+
     Judgement judge(double error, double misfit) const {
         if (simulation_judged_) misfit = std::pow(error / result_.noise_floor.validation, 2);
         return {error, misfit};
@@ -132,11 +177,7 @@ private:
         weigh(model_);
         pass_.selection = selectCauses(pass_.fit_problem, pass_.judge_problem, model_, options);
         measureAfter();
-        const auto& accepted = pass_.selection.accepted;
-        const bool of_sensors = std::any_of(accepted.begin(), accepted.end(), [](const Candidate& candidate) {
-            return candidate.cause.rfind("sensor_", 0) == 0;
-        });
-        if (accepted.size() > first.accepted.size() && !of_sensors &&
+        if (pass_.selection.accepted.size() > first.accepted.size() && !namesSensors() &&
             calcExcess(result_.error_after.validation) < most) {
             auto& rounds = pass_.selection.rounds;
             rounds.insert(rounds.begin(), first.rounds.begin(), first.rounds.end());
