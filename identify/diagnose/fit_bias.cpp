@@ -1,57 +1,14 @@
 #include "identify/diagnose/fit_bias.hpp"
 
-#include <cmath>
-#include <random>
-#include <string>
-
 #include "identify/diagnose/parameter_fit.hpp"
 #include "identify/diagnose/pass.hpp"
+#include "identify/diagnose/simulated_recording.hpp"
 #include "identify/forward/forward_model.hpp"
-#include "models/axis_names.hpp"
 
 namespace wems::identify {
 namespace {
 
 constexpr int kSlowPasses = 3;  // where the slow motion follows the model
-constexpr unsigned kNoiseSeed = 1;
-
-/// Appends one channel for each row, with noise.
-class ChannelWriter {
-public:
-    ChannelWriter(Recording& recording, double sign) : recording_(recording), sign_(sign) {}
-
-    void add(const std::string& name, const Eigen::VectorXd& values, double noise) {
-        Channel channel;
-        channel.name = name;
-        channel.values.assign(values.begin(), values.end());
-        if (std::isfinite(noise))
-            for (double& value : channel.values) value += sign_ * noise * normal_(random_);
-        recording_.channels.push_back(std::move(channel));
-    }
-
-    void addPart(const std::string& side, const PartMotion& part, const MountModel& model,
-                 const Eigen::MatrixXd& displacement, const Eigen::MatrixXd& acceleration) {
-        for (std::size_t i = 0; i < model.connections.size(); ++i)
-            for (int axis = 0; axis < 3; ++axis) {
-                const auto row = static_cast<Eigen::Index>(3 * i) + axis;
-                const std::string at = side + "." + model.connections[i].name + ".";
-                if (part.displacement_measured) add(at + kAxes[axis], displacement.row(row), part.displacement_noise);
-                if (part.acceleration_measured)
-                    add(at + "a" + kAxes[axis], acceleration.row(row), part.acceleration_noise);
-            }
-    }
-
-    /// What drives the run, as it was recorded.
-    void addDrive(const std::string& name, const Eigen::Matrix3Xd& rows) {
-        for (int axis = 0; axis < 3 && rows.cols() > 0; ++axis) add(name + kAxes[axis], rows.row(axis), 0);
-    }
-
-private:
-    Recording& recording_;
-    double sign_;
-    std::mt19937 random_{kNoiseSeed};
-    std::normal_distribution<double> normal_;
-};
 
 Eigen::VectorXd fitAgain(const std::vector<Recording>& recordings, const MountModel& base, const MountModel& model,
                          const std::vector<Knob>& knobs) {
@@ -67,21 +24,6 @@ Eigen::VectorXd fitAgain(const std::vector<Recording>& recordings, const MountMo
 
 }  // namespace
 
-Recording simulateRecording(const RunMotion& run, const MountModel& model, double sign) {
-    const ForwardModel forward(model);
-    const auto drive = Drive::make(run, model, makeGrid(run, model));
-    const MarkerMotion markers = forward.calcMarkers(forward.simulate(drive, Keep::states), drive);
-    Recording recording;
-    recording.file = run.file;
-    recording.time = run.time;
-    ChannelWriter writer(recording, sign);
-    writer.addPart("mobile", run.mobile, model, markers.mobile_displacement, markers.mobile_acceleration);
-    writer.addPart("fixed", run.fixed, model, markers.fixed_displacement, markers.fixed_acceleration);
-    writer.addDrive("load.f", run.load);
-    writer.addDrive("base.a", run.base);
-    return recording;
-}
-
 Eigen::VectorXd calcFitBias(const std::vector<RunMotion>& runs, const MountModel& base, const MountModel& model,
                             const std::vector<Knob>& knobs) {
     const auto count = static_cast<Eigen::Index>(knobs.size());
@@ -90,7 +32,7 @@ Eigen::VectorXd calcFitBias(const std::vector<RunMotion>& runs, const MountModel
     try {
         for (const double sign : {1.0, -1.0}) {
             std::vector<Recording> recordings;
-            for (const auto& run : runs) recordings.push_back(simulateRecording(run, model, sign));
+            for (const auto& run : runs) recordings.push_back(simulateRecording(run, model, {sign, 0}));
             mean += 0.5 * fitAgain(recordings, base, model, knobs);
         }
     } catch (const SimulationDiverged&) {

@@ -15,14 +15,8 @@
 #include "identify/diagnose/knob.hpp"
 #include "identify/motion/motion.hpp"
 #include "models/mount_model.hpp"
-#include "models/recording/recording.hpp"
 
 namespace wems::identify {
-
-/// What `model` would have given at all its connections, of the kinds that were recorded, at the times of `run`.
-/// @param sign of the noise, ±1; 0 for none
-/// @throws SimulationDiverged
-Recording simulateRecording(const RunMotion& run, const MountModel& model, double sign);
 
 /// Bias of the values of the knobs, in their order; zeros if a simulation diverges.
 /// @param base  the model that motions are recovered with

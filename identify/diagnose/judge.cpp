@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "identify/diagnose/cause_report.hpp"
+#include "identify/diagnose/expectation.hpp"
 #include "identify/diagnose/fit_bias.hpp"
 #include "identify/diagnose/free_error.hpp"
 #include "identify/diagnose/leftover.hpp"
@@ -22,9 +23,11 @@ constexpr double kCloserGain = 0.001;  // of the misfit per value, once the simu
 constexpr double kCloserShare = 0.5;   // of the simulated error above the noise that may be left then
 constexpr double kBiasDoubt = 0.3;     // standard deviation of a bias that was measured, relative
 constexpr int kBiasPasses = 2;
-constexpr double kMoreExcess = 1.1;      // of the simulated error above the noise that its removal may bring
-constexpr int kPatches = 3;              // accepted laws at one axis that are no explanation
-constexpr double kOpenLoopEnough = 1.5;  // misfit per value of a model that is right but cannot be predicted freely
+constexpr double kMoreExcess = 1.1;  // of the simulated error above the noise that its removal may bring
+constexpr int kPatches = 3;          // accepted laws at one axis that are no explanation
+// Misfit per value, above that of a perfect model, of a model that is right but cannot be predicted freely: with
+// causes, whose values are known to some accuracy only, without, and in terms of what is expected.
+constexpr double kMisfitOfCauses = 0.5, kMisfitOfNothing = 0.15, kFolds = 3;
 
 bool isLarge(double error, double noise_floor) {
     return error > kFloors * noise_floor && error > kLeastError;
@@ -59,9 +62,7 @@ public:
             result_.error_before = {calcFreeError(RunGroup(identification, model_).free_runs, model_).error,
                                     calcFreeError(RunGroup(judges, model_).free_runs, model_).error};
         measureAfter();
-        if (isLarge(result_.error_after.validation, result_.noise_floor.validation) &&
-            pass_.selection.validation_after <= kOpenLoopEnough)
-            lookCloser();
+        if (pass_.selection.validation_after <= 1 + kMisfitOfCauses && leavesMuch()) lookCloser();
         const bool unexplained = isUnexplained() || isPatchwork();
         const bool one_place = unexplained && leaveOnePlace();
         if (unexplained && !pass_.selection.accepted.empty() &&
@@ -99,13 +100,22 @@ private:
                                    calcFreeError(pass_.judge_group.free_runs, result_.extended).error};
     }
 
-    /// Without a cause that was fitted to them the identification runs tell as much as those that judge.
-    bool isUnexplained() const {
+    /// True if the simulation of the validation runs leaves more than noise, and more than a perfect model would.
+    bool leavesMuch() {
+        if (!isLarge(result_.error_after.validation, result_.noise_floor.validation)) return false;
+        expected_ = calcExpectation(pass_.judge_group.motions, model_, result_.extended);
+        return isLarge(result_.error_after.validation, expected_.error);
+    }
+
+    /// Without a cause that was fitted to them the identification runs tell as much as those that judge. Causes that
+    /// the simulation does not gain from count as none.
+    bool isUnexplained() {
+        if (!leavesMuch()) return false;
         const Selection& selection = pass_.selection;
-        const double misfit = selection.accepted.empty()
-                                  ? std::max(selection.identification_after, selection.validation_after)
-                                  : selection.validation_after;
-        return isLarge(result_.error_after.validation, result_.noise_floor.validation) && misfit > kOpenLoopEnough;
+        const bool none = selection.accepted.empty() || result_.error_after.validation > corrected_before_.validation;
+        const double misfit =
+            none ? std::max(selection.identification_after, selection.validation_after) : selection.validation_after;
+        return misfit > 1 + std::max(none ? kMisfitOfNothing : kMisfitOfCauses, kFolds * (expected_.misfit - 1));
     }
 
     /// Whole sides of sensors, which the equations know to first order.
@@ -269,6 +279,7 @@ private:
     const MountModel& model_;
     Diagnosis& result_;
     GroupError corrected_before_;
+    Expectation expected_;            // of the validation runs, where they leave more than noise
     bool simulation_judged_ = false;  // rather than the equations of motion
 };
 
