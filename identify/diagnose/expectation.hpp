@@ -4,7 +4,8 @@
 /// The noise floor alone is too low a bar where contact amplifies ordinary calibration errors, where the drive is a
 /// noisy recorded motion, or where displacements come from accelerations; and no fixed misfit is right for every law:
 /// friction leaves more than noise even where all is known. So the model is simulated, given noise and calibration
-/// scatter of the recording's size, and judged as the recording is.
+/// scatter of the recording's size, and judged as the recording is. Where contact amplifies a thousand times the error
+/// is that of one draw, which another may exceed; the misfit is not amplified.
 #pragma once
 
 #include <vector>
