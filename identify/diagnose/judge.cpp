@@ -24,10 +24,11 @@ constexpr double kCloserShare = 0.5;   // of the simulated error above the noise
 constexpr double kBiasDoubt = 0.3;     // standard deviation of a bias that was measured, relative
 constexpr int kBiasPasses = 2;
 constexpr double kMoreExcess = 1.1;  // of the simulated error above the noise that its removal may bring
-constexpr int kPatches = 3;          // accepted laws at one axis that are no explanation
+constexpr int kPatches = 2;          // accepted laws at one axis that may be no explanation; more are none
 // Misfit per value, above that of a perfect model, of a model that is right but cannot be predicted freely: with
-// causes, whose values are known to some accuracy only, without, and in terms of what is expected.
-constexpr double kMisfitOfCauses = 0.5, kMisfitOfNothing = 0.15, kFolds = 3;
+// causes, whose values are known to some accuracy only, without, with laws at one axis that may describe its force
+// together, and in terms of what is expected.
+constexpr double kMisfitOfCauses = 0.5, kMisfitOfNothing = 0.15, kMisfitOfPatches = 0.05, kFolds = 3;
 
 bool isLarge(double error, double noise_floor) {
     return error > kFloors * noise_floor && error > kLeastError;
@@ -214,16 +215,21 @@ private:
         }
     }
 
-    /// Three laws of the catalogue at one axis describe a law that is not in it.
-    bool isPatchwork() const {
+    /// Three laws of the catalogue at one axis describe a law that is not in it; so do two that leave more than a
+    /// perfect model would.
+    bool isPatchwork() {
         std::map<std::string, int> laws;
+        int most = 0;
         for (const Candidate& candidate : pass_.selection.accepted) {
             if (candidate.where.size() != 1) continue;
             const std::string& where = candidate.where.front();  // 4.z or 4.z.+
             const auto axis = where.find('.');
-            if (axis != std::string::npos && ++laws[where.substr(0, axis + 2)] == kPatches) return true;
+            if (axis != std::string::npos) most = std::max(most, ++laws[where.substr(0, axis + 2)]);
         }
-        return false;
+        if (most < kPatches) return false;
+        if (most > kPatches) return true;
+        const Expectation expected = calcExpectation(pass_.fit_group.motions, model_, result_.extended);
+        return pass_.selection.identification_after > 1 + std::max(kMisfitOfPatches, kFolds * (expected.misfit - 1));
     }
 
     /// If a force along one axis could make nearly all that the model without any extension leaves, that axis is the
