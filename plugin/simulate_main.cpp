@@ -39,11 +39,6 @@ std::string describeNoise(const SensorNoise& noise) {
     return text.empty() ? "none" : text + " RMS";
 }
 
-/// Complains about an output that cannot be written before the simulation, not after it.
-void checkWritable(const std::string& file) {
-    if (!file.empty() && file != "-") AtomicFile probe(file);
-}
-
 bool participatesInBaseMotion(const MountModel& model) {
     for (const BracketMode& mode : model.bracket)
         if (!mode.base_participation.isZero()) return true;
@@ -53,7 +48,6 @@ bool participatesInBaseMotion(const MountModel& model) {
 void run(const SimulateOptions& options) {
     const MountModel model = readMountModel(options.model_file);
     const Excitation excitation = makeExcitation(options);
-    for (const std::string& file : {options.output_file, options.json_file, options.report_file}) checkWritable(file);
     if (excitation.drive->hasBase() && !participatesInBaseMotion(model))
         std::cerr << "simulate: note: the modes file has no base.ux, base.uy, base.uz columns: the base motion shakes "
                      "the mobile part, not the bracket's own mass\n";

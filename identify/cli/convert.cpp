@@ -54,7 +54,8 @@ void addConvertCommand(CLI::App& app, int& /*exit_status*/) {
     command->add_option("output", options->output, ".csv, .trc, .sto or .mot")->required();
     command->add_option("--columns", options->column_map, "TOML that maps your column names to channel names");
     command->add_option("--model", options->model, "mount model: markers in .trc stand where its connections are");
-    command->add_option("--digits", options->digits, "significant digits of values")->check(CLI::Range(1, 17));
+    command->add_option("--digits", options->digits, "significant digits of values (default 9)")
+        ->check(CLI::Range(1, 17));
     addQuietOption(*command, options->quiet);
     command->footer("Example:\n  identify convert shaker.mat run.csv --columns map.toml");
     command->callback([options] { runConvert(*options); });
