@@ -1,6 +1,7 @@
 // The executable `simulate`: a mount model under a load or base motion, recorded as CSV or for OpenSim.
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -45,12 +46,22 @@ bool participatesInBaseMotion(const MountModel& model) {
     return model.bracket.empty();
 }
 
+/// Of a sweep or a dwell; 0 where nothing sweeps.
+double findHighestFrequency(const Drive& drive) {
+    return std::fmax(0, std::fmax(drive.calcFrequency(0), drive.calcFrequency(drive.duration())));
+}
+
 void run(const SimulateOptions& options) {
     const MountModel model = readMountModel(options.model_file);
     const Excitation excitation = makeExcitation(options);
     if (excitation.drive->hasBase() && !participatesInBaseMotion(model))
         std::cerr << "simulate: note: the modes file has no base.ux, base.uy, base.uz columns: the base motion shakes "
                      "the mobile part, not the bracket's own mass\n";
+
+    if (const double rate = options.sample_rate.value_or(INFINITY); rate < 2 * findHighestFrequency(*excitation.drive))
+        std::cerr
+            << "simulate: note: " << formatNumber(rate)
+            << " Hz are less than two samples in a period of the excitation: the recording shows other frequencies\n";
 
     Progress progress(!options.quiet);
     SimulationSettings settings;

@@ -160,16 +160,16 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     CLI::App app{"Simulate equipment on elastomer mounts with stops (Simbody) and record it."};
     app.name(programName(argv[0]));
     app.footer("Exactly one of " + listExcitations(false) + ",\n" + footer);
-    app.add_option("MODEL", options.model_file, "mount model, TOML")->required();
+    addInputFile(app, "MODEL", options.model_file, "mount model, TOML")->required();
     addOutputFile(app, "-o,--output", options.output_file, "recording to write: .csv, or .trc, .sto, .mot for OpenSim");
     std::vector<std::string> signals(excitationKinds().size());
     for (std::size_t i = 0; i < signals.size(); ++i)
         app.add_option(excitationKinds()[i].option, signals[i], excitationKinds()[i].help);
     app.add_option("--rate", options.octaves_per_minute, "logarithmic sweep rate, octaves per minute (default 4)");
     app.add_option("--linear-rate", options.hertz_per_second, "linear sweep rate, Hz per second");
-    app.add_option("--from-csv", options.replay_file,
-                   std::string("replay the load or base motion of this recording (") + kReadableFormats + ")");
-    app.add_option("--columns", options.column_map, "TOML that maps that recording's column names to channel names");
+    addInputFile(app, "--from-csv", options.replay_file,
+                 std::string("replay the load or base motion of this recording (") + kReadableFormats + ")");
+    addInputFile(app, "--columns", options.column_map, "TOML that maps that recording's column names to channel names");
     app.add_option("--force", force, "force at the bracket's load point, N, such as z=200 or x=100,y=100");
     app.add_option("--base-acceleration", base, "acceleration of the base, m/s^2, such as z=1.0");
     app.add_option("--fade", options.fade, "fade in and out over so many seconds");

@@ -172,11 +172,12 @@ Comparison runComparison(const CompareOptions& options, Progress& progress, std:
 void addCompareCommand(CLI::App& app, int& exit_status) {
     auto* command = app.add_subcommand("compare", "Errors of a simulated recording against a measured one");
     auto options = std::make_shared<CompareOptions>();
-    command->add_option("measured", options->measured, std::string("recording of the test (") + kReadableFormats + ")")
+    addInputFile(*command, "measured", options->measured,
+                 std::string("recording of the test (") + kReadableFormats + ")")
         ->required();
-    command->add_option("simulated", options->simulated, "recording of the simulation")->required();
-    command->add_option("--model", options->model,
-                        "mount model: exact relative displacements, and errors free and in contact apart");
+    addInputFile(*command, "simulated", options->simulated, "recording of the simulation")->required();
+    addInputFile(*command, "--model", options->model,
+                 "mount model: exact relative displacements, and errors free and in contact apart");
     command->add_option("--limit", options->limit, "exit status 1 if the error exceeds this fraction, such as 0.05")
         ->check(isPositive());
     addCommonOptions(*command, options->common);

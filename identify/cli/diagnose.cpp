@@ -97,13 +97,13 @@ void runDiagnose(DiagnoseArguments arguments) {
 void addDiagnoseCommand(CLI::App& app, int&) {
     auto arguments = std::make_shared<DiagnoseArguments>();
     auto* command = app.add_subcommand("diagnose", "Find what the model lacks or has wrong, and extend it");
-    command->add_option("runs", arguments->runs.recordings,
-                        std::string("recordings to identify from (") + kReadableFormats + ")");
-    command->add_option("--test", arguments->runs.test, "TOML that lists the runs of a test and their roles");
-    command->add_option("--model", arguments->runs.model,
-                        "mount model (TOML); required unless the test file names one");
-    command->add_option("--validate", arguments->runs.validation,
-                        "recordings that judge the causes; never fitted to, so other runs than those above");
+    addInputFile(*command, "runs", arguments->runs.recordings,
+                 std::string("recordings to identify from (") + kReadableFormats + ")");
+    addInputFile(*command, "--test", arguments->runs.test, "TOML that lists the runs of a test and their roles");
+    addInputFile(*command, "--model", arguments->runs.model,
+                 "mount model (TOML); required unless the test file names one");
+    addInputFile(*command, "--validate", arguments->runs.validation,
+                 "recordings that judge the causes; never fitted to, so other runs than those above");
     addOutputFile(*command, "-o,--output", arguments->output, "write the extended model to FILE (TOML)");
     addCommonOptions(*command, arguments->common);
     addGeometryOption(*command, arguments->common);

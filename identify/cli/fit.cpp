@@ -264,12 +264,12 @@ void runFit(FitCommandOptions options, const CLI::App& command) {
 void addFitCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("fit", "Stiffness, clearance, stops and damping, each with its 95 % interval");
     const auto options = std::make_shared<FitCommandOptions>();
-    command->add_option("recordings", options->runs.recordings,
-                        std::string("recordings of one device or element (") + kReadableFormats + ")");
-    command->add_option("--test", options->runs.test,
-                        "TOML that lists the runs of a test; those of role validate judge the fitted model");
-    command->add_option("--model", options->runs.model,
-                        "mount model to start from (TOML); required unless the test file names one");
+    addInputFile(*command, "recordings", options->runs.recordings,
+                 std::string("recordings of one device or element (") + kReadableFormats + ")");
+    addInputFile(*command, "--test", options->runs.test,
+                 "TOML that lists the runs of a test; those of role validate judge the fitted model");
+    addInputFile(*command, "--model", options->runs.model,
+                 "mount model to start from (TOML); required unless the test file names one");
     addOutputFile(*command, "-o,--output", options->output,
                   "write the model with the identified values to FILE (TOML)");
     command->add_option(

@@ -148,9 +148,17 @@ Plot plotPhase(const Inspection& inspection, const ChannelGroup& group) {
             largest = std::fmax(largest, amplitude);
     for (const std::size_t i : group.members) {
         const OrderTrack& track = inspection.orders.tracks[i];
-        Series phase{track.channel, inspection.orders.hertz, {}};
-        for (Eigen::Index p = 0; p < track.phase.cols(); ++p)
-            phase.y.push_back(track.amplitude(0, p) >= least_share * largest ? degrees * track.phase(0, p) : NAN);
+        Series phase{track.channel, {}, {}};
+        for (Eigen::Index p = 0; p < track.phase.cols(); ++p) {
+            const double hertz = inspection.orders.hertz[static_cast<std::size_t>(p)];
+            const double now = track.amplitude(0, p) >= least_share * largest ? degrees * track.phase(0, p) : NAN;
+            if (!phase.y.empty() && std::abs(now - phase.y.back()) > 180) {  // out at one end, in at the other
+                phase.x.push_back(0.5 * (hertz + phase.x.back()));
+                phase.y.push_back(NAN);
+            }
+            phase.x.push_back(hertz);
+            phase.y.push_back(now);
+        }
         plot.series.push_back(std::move(phase));
     }
     return plot;

@@ -17,7 +17,7 @@ void addCommonOptions(CLI::App& command, CommonOptions& options) {
                   true);
     addOutputFile(command, "--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
     addQuietOption(command, options.quiet);
-    command.add_option("--columns", options.column_map, "TOML that maps your column names to channel names");
+    addInputFile(command, "--columns", options.column_map, "TOML that maps your column names to channel names");
 }
 
 void addQuietOption(CLI::App& command, bool& quiet) {
@@ -25,8 +25,8 @@ void addQuietOption(CLI::App& command, bool& quiet) {
 }
 
 void addGeometryOption(CLI::App& command, CommonOptions& options) {
-    command.add_option("--geometry", options.geometry,
-                       "TOML with [[marker]] and [[accelerometer]]: sensors that are not at the connections");
+    addInputFile(command, "--geometry", options.geometry,
+                 "TOML with [[marker]] and [[accelerometer]]: sensors that are not at the connections");
 }
 
 TextStyle outputStyle() {

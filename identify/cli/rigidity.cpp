@@ -126,9 +126,9 @@ void runRigidity(const RigidityOptions& options, bool limited, int& exit_status)
 void addRigidityCommand(CLI::App& app, int& exit_status) {
     CLI::App* command = app.add_subcommand("rigidity", "Check that each part of a recording moves as a rigid body");
     const auto options = std::make_shared<RigidityOptions>();
-    command->add_option("recording", options->recording, std::string("recording (") + kReadableFormats + ")")
+    addInputFile(*command, "recording", options->recording, std::string("recording (") + kReadableFormats + ")")
         ->required();
-    command->add_option("--model", options->model, "mount model (TOML)")->required();
+    addInputFile(*command, "--model", options->model, "mount model (TOML)")->required();
     CLI::Option* limit =
         command->add_option("--limit", options->limit, "exit status 1 if a check exceeds this, in percent");
     limit->check(isNonNegative());

@@ -136,10 +136,11 @@ void addSingleAxisCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command =
         app.add_subcommand("single-axis", "Classical one-axis regression with truncated SVD, to compare with `fit`");
     const auto options = std::make_shared<SingleAxisCommandOptions>();
-    command
-        ->add_option("recording", options->recording, std::string("recording of the device (") + kReadableFormats + ")")
+    addInputFile(*command, "recording", options->recording,
+                 std::string("recording of the device (") + kReadableFormats + ")")
         ->required();
-    command->add_option("--model", options->model, "mount model: mass, clearances, values to hold (TOML)")->required();
+    addInputFile(*command, "--model", options->model, "mount model: mass, clearances, values to hold (TOML)")
+        ->required();
     command->add_option("--axis", options->axis, "axis of Newton's equation (default z)")
         ->check(CLI::IsMember({"x", "y", "z"}));
     command->add_option("--candidates", options->candidates,

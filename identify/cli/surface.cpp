@@ -168,8 +168,8 @@ void runSurface(const SurfaceOptions& options, const CLI::App& command) {
 void addSurfaceCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("surface", "Restoring force surface of a single connection");
     auto options = std::make_shared<SurfaceOptions>();
-    command
-        ->add_option("recording", options->recording, std::string("recording of the test (") + kReadableFormats + ")")
+    addInputFile(*command, "recording", options->recording,
+                 std::string("recording of the test (") + kReadableFormats + ")")
         ->required();
     command->add_option("--connection", options->connection, "connection; absent: the first one recorded");
     command->add_option("--axis", options->axis, "x, y or z; absent: the first one recorded")
@@ -182,10 +182,8 @@ void addSurfaceCommand(CLI::App& app, int& /*exit_status*/) {
         ->add_option("--low-force", options->low_force,
                      "N, below which a force counts as gap; absent: 5 % of the friction level")
         ->check(isPositive());
-    command
-        ->add_option("--validate", options->validation,
-                     "other tests of the same element, on which a friction element is tried that was fitted here")
-        ->check(CLI::ExistingFile);
+    addInputFile(*command, "--validate", options->validation,
+                 "other tests of the same element, on which a friction element is tried that was fitted here");
     addCommonOptions(*command, options->common);
     command->footer(
         "Examples, force measured, and force from the acceleration of a known mass:\n"

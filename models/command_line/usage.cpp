@@ -50,7 +50,7 @@ CLI::Validator isNonNegative() {
 
 CLI::Option* addOutputFile(CLI::App& app, const std::string& name, std::string& file, const std::string& help,
                            bool dash_is_output) {
-    return app.add_option(name, file, help)->each([dash_is_output](const std::string& path) {
+    return app.add_option(name, file, help)->type_name("FILE")->each([dash_is_output](const std::string& path) {
         if (!(dash_is_output && path == "-")) AtomicFile::checkWritable(path);
     });
 }
