@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <utility>
 
@@ -25,6 +26,11 @@ void AtomicFile::commit() {
         throw InputError({path_, 0, {}}, "cannot be written", "a file in a folder that exists and is writable");
     }
     committed_ = true;
+}
+
+void AtomicFile::checkWritable(const std::string& path) {
+    if (std::filesystem::is_directory(path)) throw InputError({path, 0, {}}, "is a folder", "the name of a file");
+    const AtomicFile probe(path);
 }
 
 void AtomicFile::write(const std::string& path, const std::string& text) {

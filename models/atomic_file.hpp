@@ -20,6 +20,9 @@ public:
     const std::string& temporaryPath() const { return temporary_; }
     void commit();
 
+    /// Whether a file can be written there, before anything is computed for it. @throws InputError if not.
+    static void checkWritable(const std::string& path);
+
     /// Writes `text` to `path` in one go.
     static void write(const std::string& path, const std::string& text);
 

@@ -18,6 +18,18 @@ std::string describe(const toml::node& node) {
     return text.str();
 }
 
+/// A recording or a modes file in place of a TOML file is the likeliest mistake.
+std::string describeExpectation(std::string_view text) {
+    while (!text.empty()) {
+        const std::string_view line = text.substr(0, text.find('\n'));
+        text.remove_prefix(std::min(text.size(), line.size() + 1));
+        if (line.find_first_not_of(" \t\r") == std::string_view::npos || line.front() == '#') continue;
+        const bool table = line.find('=') == std::string_view::npos && line.find_first_of(",;\t") != line.npos;
+        return table ? "a TOML file; this one looks like a table of data, such as a recording" : "a TOML file";
+    }
+    return "a TOML file";
+}
+
 }  // namespace
 
 long TomlPlaces::find(const std::string& key) const {
@@ -181,7 +193,7 @@ toml::table parseToml(std::string_view text, const std::string& file) {
         return toml::parse(text, file);
     } catch (const toml::parse_error& error) {
         throw InputError({file, static_cast<long>(error.source().begin.line), {}},
-                         "not valid TOML: " + std::string(error.description()));
+                         "not valid TOML: " + std::string(error.description()), describeExpectation(text));
     }
 }
 

@@ -1,6 +1,7 @@
 // The executable `simulate`: a mount model under a load or base motion, recorded as CSV or for OpenSim.
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -39,24 +40,28 @@ std::string describeNoise(const SensorNoise& noise) {
     return text.empty() ? "none" : text + " RMS";
 }
 
-/// Complains about an output that cannot be written before the simulation, not after it.
-void checkWritable(const std::string& file) {
-    if (!file.empty() && file != "-") AtomicFile probe(file);
-}
-
 bool participatesInBaseMotion(const MountModel& model) {
     for (const BracketMode& mode : model.bracket)
         if (!mode.base_participation.isZero()) return true;
     return model.bracket.empty();
 }
 
+/// Of a sweep or a dwell; 0 where nothing sweeps.
+double findHighestFrequency(const Drive& drive) {
+    return std::fmax(0, std::fmax(drive.calcFrequency(0), drive.calcFrequency(drive.duration())));
+}
+
 void run(const SimulateOptions& options) {
     const MountModel model = readMountModel(options.model_file);
     const Excitation excitation = makeExcitation(options);
-    for (const std::string& file : {options.output_file, options.json_file, options.report_file}) checkWritable(file);
     if (excitation.drive->hasBase() && !participatesInBaseMotion(model))
         std::cerr << "simulate: note: the modes file has no base.ux, base.uy, base.uz columns: the base motion shakes "
                      "the mobile part, not the bracket's own mass\n";
+
+    if (const double rate = options.sample_rate.value_or(INFINITY); rate < 2 * findHighestFrequency(*excitation.drive))
+        std::cerr
+            << "simulate: note: " << formatNumber(rate)
+            << " Hz are less than two samples in a period of the excitation: the recording shows other frequencies\n";
 
     Progress progress(!options.quiet);
     SimulationSettings settings;

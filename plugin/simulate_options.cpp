@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "models/command_line/completion.hpp"
+#include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/recording/recording_reader.hpp"
 
@@ -159,16 +160,16 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     CLI::App app{"Simulate equipment on elastomer mounts with stops (Simbody) and record it."};
     app.name(programName(argv[0]));
     app.footer("Exactly one of " + listExcitations(false) + ",\n" + footer);
-    app.add_option("MODEL", options.model_file, "mount model, TOML")->required();
-    app.add_option("-o,--output", options.output_file, "recording to write: .csv, or .trc, .sto, .mot for OpenSim");
+    addInputFile(app, "MODEL", options.model_file, "mount model, TOML")->required();
+    addOutputFile(app, "-o,--output", options.output_file, "recording to write: .csv, or .trc, .sto, .mot for OpenSim");
     std::vector<std::string> signals(excitationKinds().size());
     for (std::size_t i = 0; i < signals.size(); ++i)
         app.add_option(excitationKinds()[i].option, signals[i], excitationKinds()[i].help);
     app.add_option("--rate", options.octaves_per_minute, "logarithmic sweep rate, octaves per minute (default 4)");
     app.add_option("--linear-rate", options.hertz_per_second, "linear sweep rate, Hz per second");
-    app.add_option("--from-csv", options.replay_file,
-                   std::string("replay the load or base motion of this recording (") + kReadableFormats + ")");
-    app.add_option("--columns", options.column_map, "TOML that maps that recording's column names to channel names");
+    addInputFile(app, "--from-csv", options.replay_file,
+                 std::string("replay the load or base motion of this recording (") + kReadableFormats + ")");
+    addInputFile(app, "--columns", options.column_map, "TOML that maps that recording's column names to channel names");
     app.add_option("--force", force, "force at the bracket's load point, N, such as z=200 or x=100,y=100");
     app.add_option("--base-acceleration", base, "acceleration of the base, m/s^2, such as z=1.0");
     app.add_option("--fade", options.fade, "fade in and out over so many seconds");
@@ -179,8 +180,8 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     app.add_option("--noise", noise, "sensor noise, RMS in SI units, such as displacement=1e-6,acceleration=0.01");
     app.add_option("--seed", options.seed, "seed of sensor noise and random excitation (default 1)");
     app.add_option("--accuracy", options.accuracy, "integrator accuracy, m and m/s for each step (default 1e-6)");
-    app.add_option("--json", options.json_file, "write the summary as JSON to FILE (- for standard output)");
-    app.add_option("--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
+    addOutputFile(app, "--json", options.json_file, "write the summary as JSON to FILE (- for standard output)", true);
+    addOutputFile(app, "--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
     app.add_flag("-q,--quiet", options.quiet, "no progress, no summary");
     addCompletionOption(app);
     app.set_version_flag("--version", "wems simulate " WEMS_VERSION);
@@ -202,7 +203,7 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
         std::cout << version.what() << "\n";
         return std::nullopt;
     } catch (const CLI::ParseError& error) {
-        std::cerr << "simulate: " << error.what() << " (simulate --help lists the options)\n";
+        std::cerr << "simulate: " << describeUsageError(app, error) << "\n";
     } catch (const InputError& error) {
         std::cerr << "simulate: " << error.what() << "\n";
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 #include <vector>
 
 #include "models/format_number.hpp"
@@ -107,7 +108,9 @@ nlohmann::json makeSummaryJson(const RunDescription& run) {
 void writeHtmlSummary(const RunDescription& run, const std::string& file) {
     HtmlReport report("Simulation of " + run.model.name);
     const Recording& recording = run.result.recording;
-    for (const auto& [key, value] : recording.metadata) report.addText(key + ": " + value);
+    std::vector<std::string> settings;
+    for (const auto& [key, value] : recording.metadata) settings.push_back(key + ": " + value);
+    report.addList(settings);
     const Table stops = makeStopTable(run), displacements = makeDisplacementTable(run);
     report.addHeading("Stops");
     if (stops.empty()) {
@@ -130,12 +133,14 @@ void writeHtmlSummary(const RunDescription& run, const std::string& file) {
                 Plot plot;
                 plot.title = side + (displacement ? "displacement " : "acceleration ") + "xyz"[axis];
                 plot.x_label = swept ? "swept frequency [Hz]" : "time [s]";
-                plot.y_label = displacement ? "displacement [m]" : "acceleration [m/s^2]";
+                plot.y_label = displacement ? "displacement [mm]" : "acceleration [m/s^2]";
                 for (const Connection& connection : run.model.connections) {
                     const Channel* channel =
                         recording.find(formatChannelName({part, connection.name, axis, derivative}));
-                    if (channel != nullptr)
-                        plot.series.push_back({connection.name, swept ? sweep : recording.time, channel->values});
+                    if (channel == nullptr) continue;
+                    std::vector<double> values = channel->values;
+                    for (double& value : values) value *= displacement ? 1e3 : 1;
+                    plot.series.push_back({connection.name, swept ? sweep : recording.time, std::move(values)});
                 }
                 if (!plot.series.empty()) report.addPlot(plot);
             }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "identify/cli/command.hpp"
+#include "models/command_line/usage.hpp"
 #include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
@@ -76,7 +77,7 @@ void addBeamTipCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand(
         "beam-tip", "Cubic spring at the tip of the benchmark beam, from the complete and the truncated tip equation");
     const auto options = std::make_shared<BeamTipOptions>();
-    command->add_option("recording", options->recording, "recording of simulate_beam (CSV)")->required();
+    addInputFile(*command, "recording", options->recording, "recording of simulate_beam (CSV)")->required();
     addCommonOptions(*command, options->common);
     command->footer("Example:\n  identify beam-tip beam.csv --json beam.json");
     command->callback([options] { runBeamTip(*options); });

@@ -47,7 +47,8 @@ using wems::Table;
 /// How text on standard output is to look.
 TextStyle outputStyle();
 
-/// `digits` significant digits, no trailing noise; `-` for a value that is not finite.
+/// `digits` significant digits, no trailing noise, powers of ten only from 1e7 on and below 1e-4; `-` for a value that
+/// is not finite.
 std::string formatNumber(double value, int digits = 5);
 /// Of a share: `1.23 %`
 std::string formatPercent(double share);

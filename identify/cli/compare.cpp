@@ -10,6 +10,7 @@
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
+#include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/mount_model.hpp"
 #include "models/progress.hpp"
@@ -19,6 +20,8 @@
 
 namespace wems::identify::cli {
 namespace {
+
+constexpr double kLeastShareDrawn = 1e-3;  // of a channel in the error
 
 struct CompareOptions {
     CommonOptions common;
@@ -66,6 +69,11 @@ std::string formatPercent(const std::optional<double>& fraction) {
     return fraction ? formatPercent(*fraction) : std::string("-");
 }
 
+/// A channel that only trembles needs no digits.
+std::string formatShare(double share) {
+    return share < 1e-4 ? "< 0.01" : formatPercent(share);
+}
+
 std::string describeError(const Comparison& comparison) {
     std::string text = "error " + formatPercent(comparison.error) + " % of the measured relative displacement, " +
                        formatNumber(comparison.from, 5) + " to " + formatNumber(comparison.to, 5) + " s";
@@ -77,14 +85,14 @@ std::string describeError(const Comparison& comparison) {
 
 Table makeTable(const Comparison& comparison) {
     const bool regimes = comparison.free || comparison.contact;
-    std::vector<std::string> header{"channel", "RMS mm", "error %", "share %"};
-    if (regimes) header.insert(header.end(), {"free %", "contact %"});
+    std::vector<std::string> header{"channel", "RMS [mm]", "error [%]", "share [%]"};
+    if (regimes) header.insert(header.end(), {"free [%]", "contact [%]"});
     for (const BandError& band : comparison.bands)
-        header.push_back(formatNumber(band.from, 3) + "-" + formatNumber(band.to, 3) + " Hz");
+        header.push_back(formatNumber(band.from, 3) + "–" + formatNumber(band.to, 3) + " Hz");
     Table table(header);
     const auto addRow = [&](const ChannelError& channel) {
         std::vector<std::string> row{channel.name, formatNumber(1e3 * channel.rms, 3), formatPercent(channel.error),
-                                     formatPercent(channel.share)};
+                                     formatShare(channel.share)};
         if (regimes) row.insert(row.end(), {formatPercent(channel.free), formatPercent(channel.contact)});
         for (const BandError& band : comparison.bands) {
             std::string cell = "-";
@@ -101,9 +109,13 @@ Table makeTable(const Comparison& comparison) {
 
 void writeReport(const Comparison& comparison, const CompareOptions& options) {
     HtmlReport page("Comparison of " + options.simulated + " with " + options.measured);
-    page.addText(describeError(comparison));
+    page.addLead(describeError(comparison));
     const Table table = makeTable(comparison);
     page.addTable(table.header(), table.rows());
+    page.addText(
+        "RMS: of the measured relative displacement. Error: RMS of simulated minus measured over it, in the whole run "
+        "and "
+        "in bands of the swept frequency. Share: of the channel in the sum of all squared errors.");
     Plot plot{"Error by band of swept frequency", "swept frequency [Hz]", "error [%]", {}, false};
     const auto addSeries = [&](const std::string& name, const std::vector<BandError>& bands) {
         Series series{name, {}, {}};
@@ -114,9 +126,19 @@ void writeReport(const Comparison& comparison, const CompareOptions& options) {
         plot.series.push_back(std::move(series));
     };
     addSeries("all", comparison.bands);
-    for (const ChannelError& channel : comparison.channels) addSeries(channel.name, channel.bands);
+    std::string left_out;
+    for (const ChannelError& channel : comparison.channels)
+        if (channel.share >= kLeastShareDrawn) {
+            addSeries(channel.name, channel.bands);
+        } else {
+            left_out += " " + channel.name;
+        }
     page.addPlot(plot);
-    for (const auto& note : comparison.notes) page.addText(note);
+    if (!left_out.empty())
+        page.addText("Not drawn, as they hold less than " + formatPercent(kLeastShareDrawn) +
+                     " % of the error:" + left_out);
+    if (!comparison.notes.empty()) page.addHeading("How the motion was obtained");
+    page.addList(comparison.notes);
     page.write(options.common.report_file);
 }
 
@@ -150,15 +172,16 @@ Comparison runComparison(const CompareOptions& options, Progress& progress, std:
 void addCompareCommand(CLI::App& app, int& exit_status) {
     auto* command = app.add_subcommand("compare", "Errors of a simulated recording against a measured one");
     auto options = std::make_shared<CompareOptions>();
+    addInputFile(*command, "measured", options->measured,
+                 std::string("recording of the test (") + kReadableFormats + ")")
+        ->required();
+    addInputFile(*command, "simulated", options->simulated, "recording of the simulation")->required();
+    addInputFile(*command, "--model", options->model,
+                 "mount model: exact relative displacements, and errors free and in contact apart");
+    command->add_option("--limit", options->limit, "exit status 1 if the error exceeds this fraction, such as 0.05")
+        ->check(isPositive());
     addCommonOptions(*command, options->common);
     addGeometryOption(*command, options->common);
-    command->add_option("measured", options->measured, std::string("recording of the test (") + kReadableFormats + ")")
-        ->required();
-    command->add_option("simulated", options->simulated, "recording of the simulation")->required();
-    command->add_option("--model", options->model,
-                        "mount model: exact relative displacements, and errors free and in contact apart");
-    command->add_option("--limit", options->limit, "exit status 1 if the error exceeds this fraction")
-        ->check(CLI::PositiveNumber);
     command->footer("Example:\n  identify compare measured.csv simulated.csv --model mount.toml --limit 0.05");
     command->callback([options, command, &exit_status] {
         std::optional<Progress> progress(std::in_place, !options->common.quiet);

@@ -5,6 +5,7 @@
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
+#include "models/command_line/usage.hpp"
 #include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_writer.hpp"
@@ -50,11 +51,12 @@ void runConvert(const ConvertOptions& options) {
 void addConvertCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("convert", "Turn a recording into another format");
     auto options = std::make_shared<ConvertOptions>();
-    command->add_option("input", options->input, std::string("recording (") + kReadableFormats + ")")->required();
-    command->add_option("output", options->output, ".csv, .trc, .sto or .mot")->required();
-    command->add_option("--columns", options->column_map, "TOML that maps your column names to channel names");
-    command->add_option("--model", options->model, "mount model: markers in .trc stand where its connections are");
-    command->add_option("--digits", options->digits, "significant digits of values")->check(CLI::Range(1, 17));
+    addInputFile(*command, "input", options->input, std::string("recording (") + kReadableFormats + ")")->required();
+    addOutputFile(*command, "output", options->output, ".csv, .trc, .sto or .mot")->required();
+    addInputFile(*command, "--columns", options->column_map, "TOML that maps your column names to channel names");
+    addInputFile(*command, "--model", options->model, "mount model: markers in .trc stand where its connections are");
+    command->add_option("--digits", options->digits, "significant digits of values (default 9)")
+        ->check(CLI::Range(1, 17));
     addQuietOption(*command, options->quiet);
     command->footer("Example:\n  identify convert shaker.mat run.csv --columns map.toml");
     command->callback([options] { runConvert(*options); });

@@ -96,7 +96,7 @@ SceneRun makeRun(const RunMotion& run, const Recording& recording, const MountMo
 MotionScene makeDeviceScene(const std::vector<RunMotion>& runs, const std::vector<Recording>& recordings,
                             const MountModel& model) {
     MotionScene scene;
-    scene.title = "The device in motion";
+    scene.title = "Recorded motion, exaggerated";
     scene.model = model;
     if (runs.empty()) return scene;
     const auto wanted =
@@ -112,7 +112,7 @@ MotionScene makeDeviceScene(const std::vector<Recording>& recordings, const Moun
 }
 
 void addMotion(HtmlReport& page, const MotionScene& scene) {
-    page.addHeading(scene.title);
+    page.addHeading("The device in motion");
     page.addText(
         "The recorded motion, exaggerated about the rest position; clearances are exaggerated alike, so that a stop "
         "touches in the picture when it does in the run. At each place along the run a short stretch of the motion is "

@@ -9,6 +9,7 @@
 #include "identify/cli/diagnosis_report.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/diagnose/diagnosis.hpp"
+#include "models/command_line/usage.hpp"
 #include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 
@@ -62,6 +63,10 @@ private:
 void runDiagnose(DiagnoseArguments arguments) {
     resolveRuns(arguments.runs, arguments.common);
     const MountModel model = readDeviceModel(arguments.runs.model, arguments.common.geometry);
+    for (const std::string& judge : arguments.runs.validation)
+        for (const std::string& fitted : arguments.runs.recordings)
+            if (judge == fitted)
+                std::cerr << "identify: " << judge << " is fitted to and judges too, which flatters every cause\n";
     std::optional<Progress> progress(std::in_place, !arguments.common.quiet);
     progress->step("reading");
     const auto identification = readDeviceRecordings(arguments.runs.recordings, arguments.common.column_map, model);
@@ -92,16 +97,20 @@ void runDiagnose(DiagnoseArguments arguments) {
 void addDiagnoseCommand(CLI::App& app, int&) {
     auto arguments = std::make_shared<DiagnoseArguments>();
     auto* command = app.add_subcommand("diagnose", "Find what the model lacks or has wrong, and extend it");
-    command->add_option("runs", arguments->runs.recordings,
-                        std::string("recordings to identify from (") + kReadableFormats + ")");
-    command->add_option("--test", arguments->runs.test, "TOML that lists the runs of a test and their roles");
-    command->add_option("--model", arguments->runs.model, "mount model (TOML)");
-    command->add_option("--validate", arguments->runs.validation, "recordings that judge; never fitted to");
-    command->add_option("-o,--output", arguments->output, "write the extended model to FILE (TOML)");
+    addInputFile(*command, "runs", arguments->runs.recordings,
+                 std::string("recordings to identify from (") + kReadableFormats + ")");
+    addInputFile(*command, "--test", arguments->runs.test, "TOML that lists the runs of a test and their roles");
+    addInputFile(*command, "--model", arguments->runs.model,
+                 "mount model (TOML); required unless the test file names one");
+    addInputFile(*command, "--validate", arguments->runs.validation,
+                 "recordings that judge the causes; never fitted to, so other runs than those above");
+    addOutputFile(*command, "-o,--output", arguments->output, "write the extended model to FILE (TOML)");
     addCommonOptions(*command, arguments->common);
     addGeometryOption(*command, arguments->common);
     command->footer(
-        "Example:\n  identify diagnose run1.csv run2.csv --model mount.toml --validate run3.csv -o extended.toml");
+        "Examples:\n"
+        "  identify diagnose run1.csv run2.csv --model mount.toml --validate run3.csv -o extended.toml\n"
+        "  identify diagnose --test campaign.toml --json causes.json --report causes.html");
     command->callback([arguments] { runDiagnose(*arguments); });
 }
 

@@ -18,6 +18,20 @@ namespace {
 
 constexpr std::size_t kMostDrawn = 3;  // runs, so that the page stays small
 
+/// What the verdict rests on, as a sentence that can be read alone.
+std::string describeErrors(const Diagnosis& diagnosis) {
+    const auto group = diagnosis.validated ? &GroupError::validation : &GroupError::identification;
+    std::string text = "A free simulation of the ";
+    text += diagnosis.validated ? "validation" : "identification";
+    text += " recordings errs by " + formatPercent(diagnosis.error_before.*group) + " with the model as given";
+    if (!diagnosis.causes.empty())
+        text += " and by " + formatPercent(diagnosis.error_after.*group) + " with the causes below";
+    text += "; noise alone would leave " + formatPercent(diagnosis.noise_floor.*group) + ".";
+    if (diagnosis.verdict == Diagnosis::Verdict::unexplained)
+        text += " No cause of the catalogue explains what is left.";
+    return text;
+}
+
 void addErrors(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addHeading("Free simulation against the recordings");
     const auto row = [&](const std::string& name, double GroupError::*group) {
@@ -33,8 +47,7 @@ void addErrors(const Diagnosis& diagnosis, HtmlReport& page) {
     if (!diagnosis.validated)
         page.addText(
             "There were no validation recordings: the identification recordings judged themselves, which flatters "
-            "every "
-            "cause.");
+            "every cause.");
 }
 
 void addCauses(const Diagnosis& diagnosis, HtmlReport& page) {
@@ -44,22 +57,29 @@ void addCauses(const Diagnosis& diagnosis, HtmlReport& page) {
         return;
     }
     std::vector<std::vector<std::string>> rows;
-    for (const auto& cause : diagnosis.causes)
+    for (const auto& cause : diagnosis.causes) {
+        bool first = true;
         for (const auto& p : cause.parameters) {
             const bool removed = !std::isfinite(p.value);
-            rows.push_back({cause.cause, formatNumber(cause.probability, 3), formatNumber(cause.gain_db, 3), p.name,
+            rows.push_back({first ? cause.cause : "", first ? formatNumber(cause.probability, 3) : "",
+                            first ? formatNumber(cause.gain_db, 3) : "", p.name,
                             removed ? "no stop" : formatNumber(p.value),
                             removed ? "" : formatNumber(p.lower) + " … " + formatNumber(p.upper), p.unit});
+            first = false;
         }
+    }
     page.addTable({"cause", "probability", "gain [dB]", "parameter", "value", "95 % interval", "unit"}, rows);
-    page.addText("A cause is named from a probability of 0.5 on.");
+    page.addText(
+        "Values are the new ones, not the change. A cause is named from a probability of 0.5 on; its gain is what the "
+        "error grows by without it, all others fitted again.");
     std::vector<std::vector<std::string>> ties;
     for (const auto& cause : diagnosis.causes)
         for (const auto& rival : cause.rivals) {
             std::vector<std::string> values;
-            for (const auto& p : rival.parameters) values.push_back(p.name + " = " + formatNumber(p.value));
+            for (const auto& p : rival.parameters)
+                values.push_back(p.name + " = " + formatNumber(p.value) + (p.unit == "-" ? "" : " " + p.unit));
             ties.push_back(
-                {cause.cause, rival.cause, joinWords(rival.where, " "), joinWords(values, " "), rival.separate_by});
+                {cause.cause, rival.cause, joinWords(rival.where, " "), joinWords(values, ", "), rival.separate_by});
         }
     if (ties.empty()) return;
     page.addHeading("What these data cannot tell apart");
@@ -70,8 +90,8 @@ void addRounds(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addHeading("Why: the rounds of the selection");
     page.addText(
         "In each round the candidates that promise most are fitted to the identification recordings, together with "
-        "what "
-        "was taken before. Numbers are misfits per value of the equations of motion; noise alone leaves 1. A candidate "
+        "what was taken before. Numbers are misfits per value of the equations of motion; noise alone leaves 1. A "
+        "candidate "
         "is taken if it is the best one and reduces the misfit of the validation recordings too.");
     for (std::size_t r = 0; r < diagnosis.rounds.size(); ++r) {
         const auto& round = diagnosis.rounds[r];
@@ -83,10 +103,10 @@ void addRounds(const Diagnosis& diagnosis, HtmlReport& page) {
             const auto& trial = round.trials[i];
             std::vector<std::string> values;
             for (const double value : trial.values) values.push_back(formatNumber(value));
-            rows.push_back({trial.candidate.describe(), joinWords(values, " "), formatNumber(trial.identification, 4),
+            rows.push_back({trial.candidate.describe(), joinWords(values, ", "), formatNumber(trial.identification, 4),
                             formatNumber(trial.validation, 4), static_cast<int>(i) == round.taken ? "taken" : ""});
         }
-        if (!rows.empty()) page.addTable({"candidate", "values", "identification", "validation", ""}, rows);
+        if (!rows.empty()) page.addTable({"candidate", "values, SI", "identification", "validation", ""}, rows);
     }
 }
 
@@ -127,17 +147,18 @@ void addCurves(const Diagnosis& diagnosis, const MountModel& model, const Diagno
 void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, const DiagnosedRuns& runs,
                           const std::string& title, const std::string& file) {
     HtmlReport page("Diagnosis of " + title);
-    page.addText("Verdict: " + formatVerdict(diagnosis.verdict));
+    page.addLead("Verdict: " + formatVerdict(diagnosis.verdict));
+    page.addText(describeErrors(diagnosis));
     if (!diagnosis.unexplained_where.empty())
-        page.addText("What is left sits at: " + joinWords(diagnosis.unexplained_where, " "));
+        page.addText("What is left sits at: " + joinWords(diagnosis.unexplained_where, ", "));
+    addCauses(diagnosis, page);
     addErrors(diagnosis, page);
     addMotion(page, makeDeviceScene(runs.identification, diagnosis.extended));
-    addCauses(diagnosis, page);
     addCurves(diagnosis, model, runs, page);
     addSpectrum(diagnosis, page);
     addRounds(diagnosis, page);
     page.addHeading("How the motion was obtained");
-    for (const auto& note : diagnosis.notes) page.addText(note);
+    page.addList(diagnosis.notes);
     page.write(file);
 }
 

@@ -14,6 +14,7 @@
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
 #include "identify/motion/parallel.hpp"
+#include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/progress.hpp"
@@ -79,7 +80,8 @@ Table makeParameterTable(const FitResult& fit) {
 }
 
 Table makeOpenTable(const FitResult& fit) {
-    Table table({"not identifiable one by one", "what is known", "value", "95 % from", "to", "would be told by"});
+    Table table(
+        {"not identifiable one by one", "what is known", "value", "95 % from", "to", "unit", "would be told by"});
     for (const auto& group : fit.not_identifiable) {
         const bool known = !group.combination.empty();
         table.addRow({joinWords(group.names),
@@ -87,7 +89,7 @@ Table makeOpenTable(const FitResult& fit) {
                       : group.reason.empty() ? "nothing"
                                              : group.reason,
                       known ? formatNumber(group.value, 6) : "-", known ? formatNumber(group.interval95[0], 6) : "-",
-                      known ? formatNumber(group.interval95[1], 6) : "-", group.separate_by});
+                      known ? formatNumber(group.interval95[1], 6) : "-", known ? group.unit : "", group.separate_by});
     }
     return table;
 }
@@ -116,14 +118,15 @@ void addDisplacementPlots(HtmlReport& page, const std::vector<RunMotion>& runs) 
 void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const std::vector<Recording>& recordings,
                  const std::vector<std::string>& notes, const std::string& file) {
     HtmlReport page("Identified mount: " + fit.model.name);
-    page.addText(describeResidual(fit));
+    page.addLead(describeResidual(fit));
     const Table parameters = makeParameterTable(fit), open = makeOpenTable(fit);
     page.addTable(parameters.header(), parameters.rows());
     if (!open.rows().empty()) {
         page.addHeading("What these data cannot tell");
         page.addTable(open.header(), open.rows());
     }
-    for (const auto& note : notes) page.addText(note);
+    if (!notes.empty()) page.addHeading("How the motion was obtained");
+    page.addList(notes);
     if (!recordings.empty()) addMotion(page, makeDeviceScene(runs, recordings, fit.model));
     addDisplacementPlots(page, runs);
     page.write(file);
@@ -261,14 +264,17 @@ void runFit(FitCommandOptions options, const CLI::App& command) {
 void addFitCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("fit", "Stiffness, clearance, stops and damping, each with its 95 % interval");
     const auto options = std::make_shared<FitCommandOptions>();
-    command->add_option("recordings", options->runs.recordings,
-                        std::string("recordings of one device or element (") + kReadableFormats + ")");
-    command->add_option("--test", options->runs.test,
-                        "TOML that lists the runs of a test; those of role validate judge the fitted model");
-    command->add_option("--model", options->runs.model, "mount model to start from (TOML)");
-    command->add_option("-o,--output", options->output, "write the model with the identified values to FILE (TOML)");
-    command->add_option("--free", options->fit.free_body,
-                        "also identify body.center_of_gravity, body.inertia, or one component of them");
+    addInputFile(*command, "recordings", options->runs.recordings,
+                 std::string("recordings of one device or element (") + kReadableFormats + ")");
+    addInputFile(*command, "--test", options->runs.test,
+                 "TOML that lists the runs of a test; those of role validate judge the fitted model");
+    addInputFile(*command, "--model", options->runs.model,
+                 "mount model to start from (TOML); required unless the test file names one");
+    addOutputFile(*command, "-o,--output", options->output,
+                  "write the model with the identified values to FILE (TOML)");
+    command->add_option(
+        "--free", options->fit.free_body,
+        "also identify body.center_of_gravity, body.inertia, or one component such as body.inertia.Ixx");
     command
         ->add_option("--use", options->use, "channels of both parts to use: all, displacements or accelerations alone")
         ->check(CLI::IsMember({"all", "displacements", "accelerations"}));
@@ -283,7 +289,7 @@ void addFitCommand(CLI::App& app, int& /*exit_status*/) {
         ->check(CLI::IsMember({"x", "y", "z"}))
         ->group(element);
     command->add_option("--mass", options->mass, "kg; the force is then mass x acceleration of the mobile end")
-        ->check(CLI::PositiveNumber)
+        ->check(isPositive())
         ->group(element);
     command->add_option("--from", options->from, "s, start of the window")->group(element);
     command->add_option("--to", options->to, "s, end of the window")->group(element);

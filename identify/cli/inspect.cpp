@@ -9,6 +9,7 @@
 #include "identify/cli/long_recordings.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/inspect/inspection.hpp"
+#include "models/command_line/usage.hpp"
 #include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_stream.hpp"
@@ -144,9 +145,9 @@ void runInspect(const InspectOptions& options, int& exit_status) {
 void addInspectCommand(CLI::App& app, int& exit_status) {
     auto* command = app.add_subcommand("inspect", "Show what is in recordings and what is suspicious about them");
     auto options = std::make_shared<InspectOptions>();
-    command->add_option("recordings", options->recordings, std::string("recordings (") + kReadableFormats + ")")
+    addInputFile(*command, "recordings", options->recordings, std::string("recordings (") + kReadableFormats + ")")
         ->required();
-    command->add_option("--model", options->model, "mount model: also finds missing and exchanged connections");
+    addInputFile(*command, "--model", options->model, "mount model: also finds missing and exchanged connections");
     command->add_flag("--strict", options->strict, "exit status 1 if anything is suspicious");
     addCommonOptions(*command, options->common);
     addGeometryOption(*command, options->common);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <sstream>
 
 #include "identify/cli/command.hpp"
@@ -14,6 +13,17 @@ namespace {
 
 constexpr Eigen::Index report_lines = 512;  // of a picture, not of an analysis
 constexpr double degrees = 180 / 3.14159265358979323846;
+
+constexpr double least_share = 0.01;  // of an amplitude in the largest of its picture, for its phase to mean something
+
+/// In what a channel is shown: displacements of mounts are read in millimetres.
+struct ShownUnit {
+    std::string name;
+    double factor;
+};
+ShownUnit showUnit(const std::string& unit) {
+    return unit == "m" ? ShownUnit{"mm", 1e3} : ShownUnit{unit, 1};
+}
 
 std::string describeDrive(const SweptFrequency& swept) {
     if (swept.source.empty()) return "no drive is visible";
@@ -30,35 +40,36 @@ std::string describeRecording(const Inspection& inspection, const Recording& rec
 }
 
 /// Largest amplitude of an order along the sweep and where.
-std::string formatPeak(const OrderTrack& track, const OrderTracking& orders, int order) {
+std::string formatPeak(const OrderTrack& track, const OrderTracking& orders, int order, double factor) {
     double largest = 0, at = 0;
     for (Eigen::Index p = 0; p < track.amplitude.cols(); ++p) {
         if (!(track.amplitude(order, p) > largest)) continue;
         largest = track.amplitude(order, p);
         at = orders.hertz[static_cast<std::size_t>(p)];
     }
-    return largest > 0 ? formatNumber(largest, 3) + " @ " + formatNumber(at, 3) : "-";
+    return largest > 0 ? formatNumber(factor * largest, 3) + " @ " + formatNumber(at, 3) : "-";
 }
 
 Table makeTable(const Inspection& inspection) {
-    std::vector<std::string> header{"channel", "unit",  "RMS",    "mean",        "lowest",
-                                    "highest", "noise", "S/N dB", "99 % band Hz"};
+    std::vector<std::string> header{"channel", "unit",  "RMS",      "mean",          "lowest",
+                                    "highest", "noise", "S/N [dB]", "99 % band [Hz]"};
     const bool tracked = !inspection.orders.tracks.empty();
     if (tracked) header.insert(header.end(), {"order 1 @ Hz", "order 2 @ Hz", "order 3 @ Hz"});
     Table table(header);
     for (std::size_t i = 0; i < inspection.channels.size(); ++i) {
         const ChannelStatistics& channel = inspection.channels[i];
+        const auto [unit, factor] = showUnit(channel.unit);
         std::vector<std::string> row{channel.name,
-                                     channel.unit,
-                                     formatNumber(channel.rms, 3),
-                                     formatNumber(channel.mean, 2),
-                                     formatNumber(channel.lowest, 3),
-                                     formatNumber(channel.highest, 3),
-                                     formatNumber(channel.noise, 2),
+                                     unit,
+                                     formatNumber(factor * channel.rms, 3),
+                                     formatNumber(factor * channel.mean, 2),
+                                     formatNumber(factor * channel.lowest, 3),
+                                     formatNumber(factor * channel.highest, 3),
+                                     formatNumber(factor * channel.noise, 2),
                                      formatNumber(channel.signal_to_noise, 3),
                                      formatNumber(channel.band_from, 3) + "-" + formatNumber(channel.band_to, 3)};
         for (int order = 0; tracked && order < tracked_orders; ++order)
-            row.push_back(formatPeak(inspection.orders.tracks[i], inspection.orders, order));
+            row.push_back(formatPeak(inspection.orders.tracks[i], inspection.orders, order, factor));
         table.addRow(row);
     }
     return table;
@@ -86,37 +97,78 @@ std::vector<std::string> makeSentences(const Inspection& inspection, const Recor
     return lines;
 }
 
-/// A picture for each kind of quantity: channels of one unit share an axis.
-std::map<std::string, std::vector<std::size_t>> groupByUnit(const Inspection& inspection) {
-    std::map<std::string, std::vector<std::size_t>> groups;
-    for (std::size_t i = 0; i < inspection.channels.size(); ++i) groups[inspection.channels[i].unit].push_back(i);
+/// Channels of one part and one unit share a picture.
+struct ChannelGroup {
+    std::string title;
+    ShownUnit unit;
+    std::vector<std::size_t> members;
+};
+
+std::string nameQuantity(const std::string& unit) {
+    if (unit == "m") return "displacement";
+    if (unit == "m/s") return "velocity";
+    return unit == "m/s^2" ? "acceleration" : unit == "N" ? "force" : unit;
+}
+
+std::vector<ChannelGroup> groupChannels(const Inspection& inspection) {
+    std::vector<ChannelGroup> groups;
+    for (std::size_t i = 0; i < inspection.channels.size(); ++i) {
+        const ChannelStatistics& channel = inspection.channels[i];
+        const std::string title = channel.name.substr(0, channel.name.find('.')) + ", " + nameQuantity(channel.unit);
+        auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.title == title; });
+        if (group == groups.end()) group = groups.insert(group, {title, showUnit(channel.unit), {}});
+        group->members.push_back(i);
+    }
     return groups;
 }
 
-void addOrderPlots(const Inspection& inspection, HtmlReport& page) {
-    for (const auto& [unit, members] : groupByUnit(inspection)) {
-        Plot levels{"Orders 1 to 3 along the sweep", "swept frequency [Hz]", "amplitude [" + unit + "]", {}, false};
-        Plot phases{"Phase of order 1 against " + inspection.orders.reference,
-                    "swept frequency [Hz]",
-                    "phase [deg]",
-                    {},
-                    false};
-        for (const std::size_t i : members) {
-            const OrderTrack& track = inspection.orders.tracks[i];
-            for (int order = 0; order < tracked_orders; ++order) {
-                Series series{track.channel + (order > 0 ? " order " + std::to_string(order + 1) : ""),
-                              inspection.orders.hertz,
-                              {}};
-                for (Eigen::Index p = 0; p < track.amplitude.cols(); ++p) series.y.push_back(track.amplitude(order, p));
-                levels.series.push_back(std::move(series));
-            }
-            Series phase{track.channel, inspection.orders.hertz, {}};
-            for (Eigen::Index p = 0; p < track.phase.cols(); ++p) phase.y.push_back(degrees * track.phase(0, p));
-            phases.series.push_back(std::move(phase));
-        }
-        page.addPlot(levels);
-        page.addPlot(phases);
+/// Amplitudes of one order over the swept frequency.
+Plot plotOrder(const Inspection& inspection, const ChannelGroup& group, int order) {
+    Plot plot{"Order " + std::to_string(order + 1) + " along the sweep: " + group.title,
+              "swept frequency [Hz]",
+              "amplitude [" + group.unit.name + "]",
+              {}};
+    for (const std::size_t i : group.members) {
+        const OrderTrack& track = inspection.orders.tracks[i];
+        const Eigen::RowVectorXd values = group.unit.factor * track.amplitude.row(order);
+        plot.series.push_back({track.channel, inspection.orders.hertz, {values.begin(), values.end()}});
     }
+    return plot;
+}
+
+/// A gap where a channel hardly moves at the order: its phase is that of the noise.
+Plot plotPhase(const Inspection& inspection, const ChannelGroup& group) {
+    Plot plot{"Phase of order 1 against " + inspection.orders.reference + ": " + group.title,
+              "swept frequency [Hz]",
+              "phase [deg]",
+              {}};
+    double largest = 0;
+    for (const std::size_t i : group.members)
+        for (const double amplitude : inspection.orders.tracks[i].amplitude.row(0))
+            largest = std::fmax(largest, amplitude);
+    for (const std::size_t i : group.members) {
+        const OrderTrack& track = inspection.orders.tracks[i];
+        Series phase{track.channel, {}, {}};
+        for (Eigen::Index p = 0; p < track.phase.cols(); ++p) {
+            const double hertz = inspection.orders.hertz[static_cast<std::size_t>(p)];
+            const double now = track.amplitude(0, p) >= least_share * largest ? degrees * track.phase(0, p) : NAN;
+            if (!phase.y.empty() && std::abs(now - phase.y.back()) > 180) {  // out at one end, in at the other
+                phase.x.push_back(0.5 * (hertz + phase.x.back()));
+                phase.y.push_back(NAN);
+            }
+            phase.x.push_back(hertz);
+            phase.y.push_back(now);
+        }
+        plot.series.push_back(std::move(phase));
+    }
+    return plot;
+}
+
+void addOrderPlots(const Inspection& inspection, const ChannelGroup& group, HtmlReport& page) {
+    page.addPlot(plotOrder(inspection, group, 0));
+    std::vector<Plot> small{plotPhase(inspection, group)};
+    for (int order = 1; order < tracked_orders; ++order) small.push_back(plotOrder(inspection, group, order));
+    page.addPlots(small);
 }
 
 /// Means over neighbouring frequencies.
@@ -131,20 +183,19 @@ Spectrum thinOut(const Spectrum& spectrum) {
     return thin;
 }
 
-void addSpectra(const Inspection& inspection, HtmlReport& page) {
-    for (const auto& [unit, members] : groupByUnit(inspection)) {
-        Plot plot{"Spectral density", "frequency [Hz]", "log10 of density [" + unit + "²/Hz]", {}, false};
-        for (const std::size_t i : members) {
-            const Spectrum spectrum = thinOut(inspection.channels[i].spectrum);
-            Series series{inspection.channels[i].name, {}, {}};
-            for (Eigen::Index k = 1; k < spectrum.frequency.size(); ++k) {
-                series.x.push_back(spectrum.frequency[k]);
-                series.y.push_back(std::log10(spectrum.density[k]));
-            }
-            plot.series.push_back(std::move(series));
+void addSpectra(const Inspection& inspection, const ChannelGroup& group, HtmlReport& page) {
+    Plot plot{"Spectral density: " + group.title, "frequency [Hz]", "density [(" + group.unit.name + ")²/Hz]", {}};
+    plot.log_y = true;
+    for (const std::size_t i : group.members) {
+        const Spectrum spectrum = thinOut(inspection.channels[i].spectrum);
+        Series series{inspection.channels[i].name, {}, {}};
+        for (Eigen::Index k = 1; k < spectrum.frequency.size(); ++k) {
+            series.x.push_back(spectrum.frequency[k]);
+            series.y.push_back(group.unit.factor * group.unit.factor * spectrum.density[k]);
         }
-        page.addPlot(plot);
+        plot.series.push_back(std::move(series));
     }
+    page.addPlot(plot);
 }
 
 }  // namespace
@@ -165,10 +216,12 @@ void InspectReport::add(const Inspection& inspection, const Recording& recording
     page_->addHeading(recording.file);
     page_->addText(describeRecording(inspection, recording));
     const Table table = makeTable(inspection);
+    page_->addList(makeSentences(inspection, recording));
     page_->addTable(table.header(), table.rows());
-    for (const auto& line : makeSentences(inspection, recording)) page_->addText(line);
-    if (!inspection.orders.tracks.empty()) addOrderPlots(inspection, *page_);
-    addSpectra(inspection, *page_);
+    const auto groups = groupChannels(inspection);
+    for (const ChannelGroup& group : groups)
+        if (!inspection.orders.tracks.empty()) addOrderPlots(inspection, group, *page_);
+    for (const ChannelGroup& group : groups) addSpectra(inspection, group, *page_);
 }
 
 void InspectReport::write(const std::string& file) const {

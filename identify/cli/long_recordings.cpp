@@ -6,6 +6,7 @@
 #include "identify/cli/recordings.hpp"
 #include "identify/component/component_data.hpp"
 #include "identify/inspect/block_notes.hpp"
+#include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_stream.hpp"
@@ -29,7 +30,7 @@ void addMemoryOption(CLI::App& command, MemoryOption& option) {
         .add_option(
             "--memory", option.megabytes,
             "MB that recordings may take; longer ones but MATLAB files are worked through in blocks (default 2000)")
-        ->check(CLI::PositiveNumber);
+        ->check(isPositive());
 }
 
 std::optional<RecordingSize> estimateSize(const std::vector<std::string>& files, const ColumnMap* map) {

@@ -7,6 +7,7 @@
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
+#include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
@@ -56,14 +57,15 @@ void runMerge(const MergeCommandOptions& options) {
 void addMergeCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("merge", "Put recordings of one run by several systems together");
     auto options = std::make_shared<MergeCommandOptions>();
-    command->add_option("recordings", options->inputs, "recordings; the clock of the first one counts")
+    addInputFile(*command, "recordings", options->inputs, "recordings; the clock of the first one counts")
         ->required()
         ->expected(2, 64);
-    command->add_option("-o,--output", options->output, "recording to write: .csv, .trc, .sto, .mot")->required();
+    addOutputFile(*command, "-o,--output", options->output, "recording to write: .csv, .trc, .sto, .mot")->required();
     command->add_option("--common", options->merge.common,
                         "channel that all have, such as load.fz: aligns them by correlation; absent: stamps are right");
-    command->add_option("--rate", options->merge.rate, "Hz; absent: the lowest of all")->check(CLI::PositiveNumber);
-    command->add_option("--columns", options->maps, "column map for all recordings, or one for each")->expected(1, 64);
+    command->add_option("--rate", options->merge.rate, "Hz; absent: the lowest of all")->check(isPositive());
+    addInputFile(*command, "--columns", options->maps, "column map for all recordings, or one for each")
+        ->expected(1, 64);
     addQuietOption(*command, options->quiet);
     command->footer("Example:\n  identify merge shaker.csv cameras.trc -o run.csv --common fixed.1.z");
     command->callback([options] { runMerge(*options); });

@@ -2,18 +2,22 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <iostream>
 
 #include "identify/cli/command.hpp"
 #include "models/atomic_file.hpp"
+#include "models/command_line/usage.hpp"
 
 namespace wems::identify::cli {
 
 void addCommonOptions(CLI::App& command, CommonOptions& options) {
-    command.add_option("--json", options.json_file, "write the result as JSON to FILE (- for standard output)");
-    command.add_option("--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
+    addOutputFile(command, "--json", options.json_file, "write the result as JSON to FILE (- for standard output)",
+                  true);
+    addOutputFile(command, "--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
     addQuietOption(command, options.quiet);
-    command.add_option("--columns", options.column_map, "TOML that maps your column names to channel names");
+    addInputFile(command, "--columns", options.column_map, "TOML that maps your column names to channel names");
 }
 
 void addQuietOption(CLI::App& command, bool& quiet) {
@@ -21,8 +25,8 @@ void addQuietOption(CLI::App& command, bool& quiet) {
 }
 
 void addGeometryOption(CLI::App& command, CommonOptions& options) {
-    command.add_option("--geometry", options.geometry,
-                       "TOML with [[marker]] and [[accelerometer]]: sensors that are not at the connections");
+    addInputFile(command, "--geometry", options.geometry,
+                 "TOML with [[marker]] and [[accelerometer]]: sensors that are not at the connections");
 }
 
 TextStyle outputStyle() {
@@ -33,6 +37,10 @@ std::string formatNumber(double value, int digits) {
     if (!std::isfinite(value)) return "-";
     char buffer[40];
     std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
+    // 100280 rather than 1.0028e+05 beside 99690: zeros are easier to compare than powers of ten.
+    constexpr double largest_written_out = 1e7;
+    if (std::strchr(buffer, 'e') != nullptr && std::abs(value) >= 1 && std::abs(value) < largest_written_out)
+        std::snprintf(buffer, sizeof buffer, "%.0f", std::strtod(buffer, nullptr));
     return buffer;
 }
 

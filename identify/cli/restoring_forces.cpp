@@ -227,8 +227,9 @@ void addRestoringForces(HtmlReport& page, const std::vector<JudgedRun>& runs, co
     page.addPlots(plots);
     const AxisPlace shown = named ? *named : findLargestForce(histories);
     const std::string name = shown.name(after);
-    page.addText(named ? "The diagnosis names " + name + ":"
-                       : "The diagnosis names no axis; " + name + " carries the largest force:");
+    page.addText(named ? "The diagnosis names " + name + ": its force in time, and over displacement and velocity."
+                       : "The diagnosis names no axis; " + name +
+                             " carries the largest force: its force in time, and over displacement and velocity.");
     page.addPlot(plotLargestMotion(histories, shown, name));
     page.addSurface(makeSurface(histories, shown, name));
 }

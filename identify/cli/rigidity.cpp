@@ -9,6 +9,7 @@
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/cli/rigidity_report.hpp"
+#include "models/command_line/usage.hpp"
 #include "models/mount_model.hpp"
 #include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
@@ -76,7 +77,7 @@ std::string describe(const ChannelSuspect& suspect) {
 }
 
 Table makeTable(const Rigidity& rigidity) {
-    Table table({"check", "largest %", "noise RMS %", "at Hz", "at s"});
+    Table table({"check", "largest [%]", "noise RMS [%]", "at [Hz]", "at [s]"});
     for (const RigidityCheck& check : rigidity.checks)
         table.addRow({check.name, formatNumber(check.max_percent, 4), formatNumber(check.noise_percent, 3),
                       formatNumber(check.at_frequency, 4), formatNumber(check.at_time)});
@@ -123,14 +124,14 @@ void runRigidity(const RigidityOptions& options, bool limited, int& exit_status)
 }  // namespace
 
 void addRigidityCommand(CLI::App& app, int& exit_status) {
-    CLI::App* command = app.add_subcommand("rigidity", "check that each part of a recording moves as a rigid body");
+    CLI::App* command = app.add_subcommand("rigidity", "Check that each part of a recording moves as a rigid body");
     const auto options = std::make_shared<RigidityOptions>();
-    command->add_option("recording", options->recording, std::string("recording (") + kReadableFormats + ")")
+    addInputFile(*command, "recording", options->recording, std::string("recording (") + kReadableFormats + ")")
         ->required();
-    command->add_option("--model", options->model, "mount model (TOML)")->required();
+    addInputFile(*command, "--model", options->model, "mount model (TOML)")->required();
     CLI::Option* limit =
         command->add_option("--limit", options->limit, "exit status 1 if a check exceeds this, in percent");
-    limit->check(CLI::NonNegativeNumber);
+    limit->check(isNonNegative());
     addCommonOptions(*command, options->common);
     addGeometryOption(*command, options->common);
     command->footer("Example:\n  identify rigidity run.csv --model smallsat.toml --limit 0.5 --json rigidity.json");

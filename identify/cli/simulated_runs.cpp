@@ -103,11 +103,13 @@ Series makeSeries(const std::string& name, Envelope envelope, int color) {
 Plot plotError(const Simulated& run, double noise) {
     Plot plot{"Error of the free simulation, all connections and axes",
               run.abscissa(),
-              "root mean square [m]",
+              "root mean square [mm]",
               {},
               false,
               true};
-    const auto rms = [](const auto& rows) { return std::sqrt(rows.squaredNorm() / static_cast<double>(rows.size())); };
+    const auto rms = [](const auto& rows) {
+        return 1e3 * std::sqrt(rows.squaredNorm() / static_cast<double>(rows.size()));
+    };
     const Envelope measured = calcEnvelope(run, run.measured, rms);
     plot.series.push_back(makeSeries("measured motion", measured, kMeasuredColor));
     if (run.before.size() > 0)
@@ -116,7 +118,7 @@ Plot plotError(const Simulated& run, double noise) {
     if (run.after.size() > 0)
         plot.series.push_back(makeSeries("error after", calcEnvelope(run, run.after - run.measured, rms), kAfterColor));
     plot.series.push_back(
-        makeSeries("noise alone", {measured.at, std::vector<double>(measured.at.size(), noise)}, kNoiseColor));
+        makeSeries("noise alone", {measured.at, std::vector<double>(measured.at.size(), 1e3 * noise)}, kNoiseColor));
     return plot;
 }
 
@@ -171,11 +173,11 @@ std::vector<Plot> plotOrders(const Simulated& run, const AxisPlace& place, const
     std::vector<Plot> amplitudes, phases;
     for (int order = 0; order < tracked_orders; ++order) {
         const std::string title = "order " + std::to_string(order + 1) + " at " + name;
-        Plot amplitude{"Amplitude of " + title, "swept frequency [Hz]", "amplitude [m]", {}, false, true};
+        Plot amplitude{"Amplitude of " + title, "swept frequency [Hz]", "amplitude [mm]", {}, false, true};
         Plot phase{"Phase of " + title, "swept frequency [Hz]", "phase [deg]", {}, false};
         for (std::size_t i = 0; i < colors.size(); ++i) {
             const OrderTrack& track = orders.tracks[first + i];
-            const Eigen::RowVectorXd values = track.amplitude.row(order);
+            const Eigen::RowVectorXd values = 1e3 * track.amplitude.row(order);
             amplitude.series.push_back({track.channel, orders.hertz, {values.begin(), values.end()}, false, colors[i]});
             phase.series.push_back(makePhase(track.channel, orders, track, order, colors[i]));
         }

@@ -9,8 +9,10 @@
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
+#include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/progress.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
@@ -134,8 +136,11 @@ void addSingleAxisCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command =
         app.add_subcommand("single-axis", "Classical one-axis regression with truncated SVD, to compare with `fit`");
     const auto options = std::make_shared<SingleAxisCommandOptions>();
-    command->add_option("recording", options->recording, "recording of the device (CSV)")->required();
-    command->add_option("--model", options->model, "mount model: mass, clearances, values to hold (TOML)")->required();
+    addInputFile(*command, "recording", options->recording,
+                 std::string("recording of the device (") + kReadableFormats + ")")
+        ->required();
+    addInputFile(*command, "--model", options->model, "mount model: mass, clearances, values to hold (TOML)")
+        ->required();
     command->add_option("--axis", options->axis, "axis of Newton's equation (default z)")
         ->check(CLI::IsMember({"x", "y", "z"}));
     command->add_option("--candidates", options->candidates,
@@ -147,15 +152,16 @@ void addSingleAxisCommand(CLI::App& app, int& /*exit_status*/) {
     command
         ->add_option("--truncate", options->method.keep,
                      "singular values to keep (default: those before the first gap of a factor 20; 99 for all)")
-        ->check(CLI::PositiveNumber);
+        ->check(isPositive());
     command->add_flag("--hold-elastomers", options->method.hold_elastomers,
                       "keep the model's elastomer stiffnesses and identify the stops alone");
-    command->add_flag("--no-stops{false}", options->method.stops, "leave stops out even where they are reached");
+    command->add_flag_callback(
+        "--no-stops", [options] { options->method.stops = false; }, "leave stops out even where they are reached");
     command->add_flag("--damping", options->method.damping, "add one dashpot for each candidate axis");
     command->add_option("--window", options->window, "lowest and highest swept frequency to use, Hz")->expected(2);
     command->add_option("--samples", options->samples, "samples of each nonparametric curve in the JSON (default 2000)")
-        ->check(CLI::PositiveNumber);
-    command->add_option("-o,--output", options->output, "write the model with the identified stiffnesses (TOML)");
+        ->check(isPositive());
+    addOutputFile(*command, "-o,--output", options->output, "write the model with the identified stiffnesses (TOML)");
     addCommonOptions(*command, options->common);
     command->footer(
         "Example, elastomers at a low level, then the stops at a high one:\n"

@@ -10,6 +10,7 @@
 #include "identify/component/friction_model.hpp"
 #include "identify/component/surface_grid.hpp"
 #include "identify/component/surface_kind.hpp"
+#include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/progress.hpp"
 #include "models/recording/column_map.hpp"
@@ -167,26 +168,27 @@ void runSurface(const SurfaceOptions& options, const CLI::App& command) {
 void addSurfaceCommand(CLI::App& app, int& /*exit_status*/) {
     auto* command = app.add_subcommand("surface", "Restoring force surface of a single connection");
     auto options = std::make_shared<SurfaceOptions>();
-    addCommonOptions(*command, options->common);
-    command
-        ->add_option("recording", options->recording, std::string("recording of the test (") + kReadableFormats + ")")
+    addInputFile(*command, "recording", options->recording,
+                 std::string("recording of the test (") + kReadableFormats + ")")
         ->required();
     command->add_option("--connection", options->connection, "connection; absent: the first one recorded");
     command->add_option("--axis", options->axis, "x, y or z; absent: the first one recorded")
         ->check(CLI::IsMember({"x", "y", "z"}));
     command->add_option("--mass", options->mass, "kg; the force is then mass x acceleration of the mobile end")
-        ->check(CLI::PositiveNumber);
+        ->check(isPositive());
     command->add_option("--from", options->from, "s, start of the window");
     command->add_option("--to", options->to, "s, end of the window");
     command
         ->add_option("--low-force", options->low_force,
                      "N, below which a force counts as gap; absent: 5 % of the friction level")
-        ->check(CLI::PositiveNumber);
-    command
-        ->add_option("--validate", options->validation,
-                     "other tests of the same element, on which a friction element is tried that was fitted here")
-        ->check(CLI::ExistingFile);
-    command->footer("Example:\n  identify surface drop.csv --columns map.toml --mass 0.639 --from 0.40 --to 0.55");
+        ->check(isPositive());
+    addInputFile(*command, "--validate", options->validation,
+                 "other tests of the same element, on which a friction element is tried that was fitted here");
+    addCommonOptions(*command, options->common);
+    command->footer(
+        "Examples, force measured, and force from the acceleration of a known mass:\n"
+        "  identify surface machine.csv --columns map.toml --report element.html\n"
+        "  identify surface drop.csv --columns map.toml --mass 0.639 --from 0.40 --to 0.55");
     command->callback([options, command] { runSurface(*options, *command); });
 }
 

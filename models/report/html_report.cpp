@@ -1,6 +1,7 @@
 #include "models/report/html_report.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numeric>
 #include <set>
@@ -34,6 +35,22 @@ std::string formatSeries(const Series& series, const Plot& plot, std::size_t pla
     }
     return "{name:" + quoteScript(series.name) + ",points:" + (points ? "true" : "false") +
            ",color:" + std::to_string(color) + ",x:[" + x + "],y:[" + y + "]}";
+}
+
+/// Whether a cell holds numbers alone: `-1.5e-3`, `4.2 @ 31` and `5 … 50` do, `1.z` does not.
+bool isNumeric(const std::string& cell) {
+    const bool begins = !cell.empty() && cell.find_first_of("0123456789.+-") == 0;
+    return begins && std::none_of(cell.begin(), cell.end(),
+                                  [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 && c != 'e'; });
+}
+
+/// Numbers stand under each other at the right, words at the left, and so do the headers above them.
+bool isNumericColumn(const std::vector<std::vector<std::string>>& rows, std::size_t column) {
+    if (column == 0) return false;
+    std::size_t numbers = 0, words = 0;
+    for (const auto& row : rows)
+        if (column < row.size() && !row[column].empty()) ++(isNumeric(row[column]) ? numbers : words);
+    return numbers > words;
 }
 
 }  // namespace
@@ -90,19 +107,34 @@ void HtmlReport::addHeading(const std::string& text) {
     body_ += "<h2>" + escapeHtml(text) + "</h2>\n";
 }
 
+void HtmlReport::addLead(const std::string& text) {
+    body_ += "<p class=\"lead\">" + escapeHtml(text) + "</p>\n";
+}
+
 void HtmlReport::addText(const std::string& text) {
     body_ += "<p>" + escapeHtml(text) + "</p>\n";
 }
 
+void HtmlReport::addList(const std::vector<std::string>& items) {
+    if (items.empty()) return;
+    body_ += "<ul>\n";
+    for (const auto& item : items) body_ += "<li>" + escapeHtml(item) + "</li>\n";
+    body_ += "</ul>\n";
+}
+
 void HtmlReport::addTable(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
+    std::vector<std::string> kind;
+    for (std::size_t i = 0; i < header.size(); ++i) kind.push_back(isNumericColumn(rows, i) ? "number" : "");
     body_ += "<div class=\"table\"><table><thead><tr>";
-    for (const auto& cell : header) body_ += "<th scope=\"col\">" + escapeHtml(cell) + "</th>";
+    for (std::size_t i = 0; i < header.size(); ++i)
+        body_ += "<th scope=\"col\" class=\"" + kind[i] + "\">" + escapeHtml(header[i]) + "</th>";
     body_ += "</tr></thead><tbody>\n";
     constexpr std::size_t longest_unbroken = 24;  // numbers and names stay on one line, sentences need not
     for (const auto& row : rows) {
         body_ += "<tr>";
-        for (const auto& cell : row)
-            body_ += (cell.size() <= longest_unbroken ? "<td class=\"short\">" : "<td>") + escapeHtml(cell) + "</td>";
+        for (std::size_t i = 0; i < row.size(); ++i)
+            body_ += "<td class=\"" + (i < kind.size() ? kind[i] : "") +
+                     (row[i].size() <= longest_unbroken ? " short" : " long") + "\">" + escapeHtml(row[i]) + "</td>";
         body_ += "</tr>\n";
     }
     body_ += "</tbody></table></div>\n";

@@ -43,7 +43,11 @@ public:
     explicit HtmlReport(std::string title);
 
     void addHeading(const std::string& text);
+    /// What the page says above all.
+    void addLead(const std::string& text);
     void addText(const std::string& text);
+    void addList(const std::vector<std::string>& items);
+    /// Columns that hold mostly numbers are aligned at the right.
     void addTable(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
     /// Lines and clouds are decimated by shape, to some 4000 points each, fewer where there are more than six series.
     void addPlot(const Plot& plot);

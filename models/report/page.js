@@ -17,9 +17,14 @@ const wemsLight = ["#0969da", "#cf222e", "#1a7f37", "#9a6700", "#8250df", "#bf39
 const wemsDark = ["#58a6ff", "#ff7b72", "#3fb950", "#d29922", "#bc8cff", "#f778ba", "#8b949e", "#39c5cf", "#e3b98a", "#ffa657",
                   "#9be9a8", "#a5b4fc"];
 
+// Paper is white and as wide as it is, whatever the window.
+addEventListener("beforeprint", () => document.documentElement.classList.add("printing"));
+addEventListener("afterprint", () => document.documentElement.classList.remove("printing"));
+
 function wemsStyle() {
   const style = getComputedStyle(document.documentElement);
-  const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+  const printing = document.documentElement.classList.contains("printing");
+  const dark = matchMedia("(prefers-color-scheme: dark)").matches && !printing;
   return { axisLineColor: style.getPropertyValue("--ink").trim(), gridLineColor: style.getPropertyValue("--line").trim(),
            colors: dark ? wemsDark : wemsLight };
 }
@@ -27,6 +32,11 @@ function wemsStyle() {
 function wemsPalette(plot) {
   const { colors } = wemsStyle();
   return plot.series.map(series => colors[series.color % colors.length]);
+}
+
+// More series than colours: the second round is dashed.
+function wemsIsDashed(series) {
+  return series.color >= wemsLight.length && !series.points;
 }
 
 // Names of the series below the plot; each is a button that hides and shows its series.
@@ -50,27 +60,33 @@ function wemsLegend(plot, g) {
   });
   document.getElementById(plot.id).after(legend);
   return () => swatches.forEach((swatch, i) => {
-    swatch.style.background = wemsPalette(plot)[i];
+    const color = wemsPalette(plot)[i];
+    swatch.style.background = wemsIsDashed(plot.series[i]) ?
+      `linear-gradient(90deg, ${color} 40%, transparent 40% 60%, ${color} 60%)` : color;
   });
 }
 
 function wemsPlot(plot) {
-  const format = v => Math.abs(v) >= 1e4 || (v !== 0 && Math.abs(v) < 1e-3) ? v.toExponential(1) : String(+v.toPrecision(4));
+  const format = v => Math.abs(v) >= 1e4 || (v !== 0 && Math.abs(v) < 1e-4) ? v.toExponential(1) : String(+v.toPrecision(4));
   const own = {};  // options of each series
-  for (const { name, points } of plot.series)
-    own[name] = { drawPoints: points, strokeWidth: points ? 0 : plot.series.some(s => s.points) ? 2 : 1.2 };
+  for (const series of plot.series)
+    own[series.name] = { drawPoints: series.points, strokePattern: wemsIsDashed(series) ? [6, 3] : null,
+                         strokeWidth: series.points ? 0 : plot.series.some(s => s.points) ? 2 : 1.2 };
   const g = new Dygraph(document.getElementById(plot.id), wemsRows(plot.series), {
     labels: ["x", ...plot.series.map(s => s.name)], xlabel: plot.x, ylabel: plot.y,
     connectSeparatedPoints: true, series: own, pointSize: 1.2, logscale: plot.logY, yRangePad: 6,
     legend: "follow", labelsSeparateLines: true, ...wemsStyle(), colors: wemsPalette(plot),
     axes: { x: { pixelsPerLabel: 45, axisLabelFormatter: format, valueFormatter: v => plot.x + " = " + format(v) },
-            y: { axisLabelFormatter: format, valueFormatter: v => String(+v.toPrecision(5)), axisLabelWidth: 64 } },
+            y: { axisLabelFormatter: format, valueFormatter: v => String(+v.toPrecision(5)), axisLabelWidth: 70 } },
   });
   const paintLegend = plot.series.length > 1 ? wemsLegend(plot, g) : () => {};
   paintLegend();
-  addEventListener("resize", () => g.resize());
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+  const repaint = () => {
+    g.resize();
     g.updateOptions({ ...wemsStyle(), colors: wemsPalette(plot) });
     paintLegend();
-  });
+  };
+  addEventListener("resize", () => g.resize());
+  for (const event of ["beforeprint", "afterprint"]) addEventListener(event, repaint);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
 }

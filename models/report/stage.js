@@ -88,6 +88,11 @@ class WemsStage {
     this.orbit.addEventListener("change", () => this.schedule());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
     addEventListener("resize", () => this.resize());
+    for (const event of ["beforeprint", "afterprint"]) addEventListener(event, () => {
+      this.resize();
+      paint();
+      this.draw();  // no frame comes before the printer looks
+    });
     this.resize();
     paint();
     this.draw();

@@ -76,6 +76,17 @@ TEST_CASE("an output that cannot be written is refused before the simulation") {
     CHECK(result.errors.find("no/such/folder") != std::string::npos);
 }
 
+TEST_CASE("a sample rate that cannot show the excitation is said, one that can is not") {
+    const TemporaryDirectory folder;
+    for (const bool low : {true, false}) {
+        const auto result = runProgram(
+            SIMULATE_PROGRAM, {smallsat, "--dwell", "50:0.1", "--force", "z=1", "--sample-rate", low ? "99" : "101"},
+            folder.path());
+        CHECK(result.exit_status == 0);
+        CHECK((result.errors.find("less than two samples") != std::string::npos) == low);
+    }
+}
+
 TEST_CASE("help shows an example, version a version") {
     const TemporaryDirectory folder;
     const auto help = runProgram(SIMULATE_PROGRAM, {"--help"}, folder.path());

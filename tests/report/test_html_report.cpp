@@ -82,9 +82,25 @@ TEST_CASE("A surface carries its cells row by row and what draws it") {
     CHECK(page.find("WebGLRenderer") != std::string::npos);
 }
 
+TEST_CASE("Columns of numbers are aligned at the right with their headers, words at the left") {
+    HtmlReport report("t");
+    report.addTable({"1", "value", "interval", "what", "at"}, {{"2", "1e-3", "-5 … 5.2", "1.z.stiffness", "4.2 @ 31"},
+                                                               {"3", "no stop", "", "2.z", "-"},
+                                                               {"4", "12", "+1 … 2", "-", "7 @ 8"}});
+    const auto page = report.format();
+    for (const char* header : {"1", "what"})
+        CHECK(page.find("<th scope=\"col\" class=\"\">" + std::string(header) + "</th>") != std::string::npos);
+    for (const char* header : {"value", "interval", "at"})
+        CHECK(page.find("<th scope=\"col\" class=\"number\">" + std::string(header) + "</th>") != std::string::npos);
+    CHECK(page.find("<td class=\"number short\">no stop</td>") != std::string::npos);
+    CHECK(page.find("<td class=\" short\">1.z.stiffness</td>") != std::string::npos);
+}
+
 TEST_CASE("Text in a report cannot become markup or script") {
     HtmlReport report("a <b> & c");
     report.addText("<script>alert(1)</script>");
+    report.addLead("<script>alert(1)</script>");
+    report.addList({"<script>alert(1)</script>"});
     report.addPlot({"p", "x", "y", {{"</script>\"\\", {0, 1}, {0, NAN}}}, false});
     const auto page = report.format();
     CHECK(page.find("a &lt;b&gt; &amp; c") != std::string::npos);
