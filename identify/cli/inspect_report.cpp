@@ -28,6 +28,11 @@ ShownUnit showUnit(const std::string& unit) {
 std::string describeDrive(const SweptFrequency& swept) {
     if (swept.source.empty()) return "no drive is visible";
     const std::string band = formatNumber(swept.lowest, 4) + " to " + formatNumber(swept.highest, 4) + " Hz";
+    if (!swept.tones.empty()) {
+        std::string tones;
+        for (const double tone : swept.tones) tones += (tones.empty() ? "" : ", ") + formatNumber(tone, 4);
+        return std::to_string(swept.tones.size()) + " tones at once, " + tones + " Hz (seen in: " + swept.source + ")";
+    }
     if (!swept.is_sine) return "broadband, " + band + " (seen in: " + swept.source + ")";
     const bool sweeps = swept.highest > 1.05 * swept.lowest;
     return (sweeps ? "sine sweep, " : "sine, ") + band + " (seen in: " + swept.source + ")";

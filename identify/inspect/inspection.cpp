@@ -55,6 +55,8 @@ std::vector<Finding> findDefects(const Recording& recording, const SweptFrequenc
 void Inspector::addDrive(const SweptFrequency& swept) {
     if (blocks_ == 0) swept_ = swept;
     if (swept.is_sine) ++sine_blocks_;
+    if (!swept.tones.empty()) ++tone_blocks_;
+    if (swept_.tones.empty()) swept_.tones = swept.tones;
     if (swept_.source.empty()) swept_.source = swept.source;
     if (!(swept.lowest > 0)) return;
     swept_.lowest = swept_.lowest > 0 ? std::min(swept_.lowest, swept.lowest) : swept.lowest;
@@ -144,6 +146,7 @@ Inspection Inspector::finish() {
     if (blocks_ > 1) {
         inspection.swept.hertz.resize(0);
         inspection.swept.is_sine = 2 * sine_blocks_ > blocks_;
+        if (2 * tone_blocks_ <= blocks_) inspection.swept.tones.clear();
     }
     inspection.orders = blocks_ > 1 ? envelope_.finish() : std::move(orders_);
     inspection.findings = listFindings();

@@ -36,7 +36,7 @@ Inspection inspect(const Recording& recording, const MountModel* model);
 ///
 /// Levels and spectra are those of the whole recording. Findings are made in each block and put together by kind and
 /// channel, with the number of blocks; offset, drift and hum, which have to be there most of the time, count if they
-/// are in most blocks. The drive is a sine if it is one in most blocks.
+/// are in most blocks. The drive is a sine, or several at once, if it is that in most blocks.
 class Inspector {
 public:
     /// @param model may be null; must outlive the object
@@ -61,7 +61,7 @@ private:
     const MountModel* model_;
     Recording names_;  // of the first block, without values
     double first_time_ = 0, last_time_ = 0;
-    std::size_t samples_ = 0, blocks_ = 0, sine_blocks_ = 0;
+    std::size_t samples_ = 0, blocks_ = 0, sine_blocks_ = 0, tone_blocks_ = 0;
     std::vector<ChannelLevels> levels_;
     SweptFrequency swept_;
     OrderTracking orders_;  // of the first block

@@ -9,6 +9,7 @@
 #include "identify/motion/median.hpp"
 #include "identify/motion/noise_estimate.hpp"
 #include "identify/motion/spectrum.hpp"
+#include "identify/motion/tones.hpp"
 
 namespace wems::identify {
 namespace {
@@ -176,6 +177,7 @@ SweptFrequency findSweptFrequency(const Recording& recording) {
 
     findBand(drive, interval, result);
     if (!(result.lowest > 0)) return result;
+    result.tones = findTones(drive.signal, interval, result.highest, !drive.is_response);
     const std::vector<Period> periods = findPeriods(recording.time, drive.signal, result.lowest, interval);
     if (periods.size() < 4) return result;
     std::vector<double> smoothed(periods.size()), scatter(periods.size());
@@ -183,7 +185,7 @@ SweptFrequency findSweptFrequency(const Recording& recording) {
         smoothed[i] = smoothAt(periods, i);
         scatter[i] = std::abs(periods[i].log_frequency - smoothed[i]);
     }
-    result.is_sine = median(scatter) < sine_scatter;
+    result.is_sine = result.tones.empty() && median(scatter) < sine_scatter;
     if (!result.is_sine) return result;
 
     const double lowest = std::exp(*std::min_element(smoothed.begin(), smoothed.end()));
