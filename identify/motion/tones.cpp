@@ -17,7 +17,7 @@ constexpr double least_density = 0.01;        // of the mean weighted by power, 
 constexpr double least_power = 0.04;          // of the strongest island's
 constexpr double least_share = 0.7;           // of the power in lines
 constexpr double least_concentration = 0.6;   // of an island's power near its peak
-constexpr double least_overlap = 0.5;         // of powers over time
+constexpr double least_common_share = 0.5;    // of powers over time
 constexpr double half_lobe = 3;               // 1/s times the duration; Hann's main lobe ends at 2
 constexpr double harmonic_tolerance = 0.003;  // relative
 constexpr std::size_t most_tones = 12;
@@ -152,7 +152,7 @@ std::vector<double> findTones(const Eigen::VectorXd& signal, double interval, do
     const Eigen::VectorXd course = spectrum.calcPowerOverTime(strongest);
     std::vector<double> frequencies;
     for (const Island& island : islands)
-        if (spectrum.calcPowerOverTime(island).cwiseMin(course).sum() > least_overlap)
+        if (spectrum.calcPowerOverTime(island).cwiseMin(course).sum() > least_common_share)
             frequencies.push_back(island.frequency);
     if (frequencies.size() < 2 || (!harmonics_count && areHarmonics(frequencies))) return {};
     return frequencies;
