@@ -1,11 +1,10 @@
 /// @file
 /// What a perfect model would leave in the recordings, by doing the same to recordings that the model itself gives.
 ///
-/// The noise floor alone is too low a bar where contact amplifies ordinary calibration errors, where the drive is a
-/// noisy recorded motion, or where displacements come from accelerations; and no fixed misfit is right for every law:
-/// friction leaves more than noise even where all is known. So the model is simulated, given noise and calibration
-/// scatter of the recording's size, and judged as the recording is. Where contact amplifies a thousand times the error
-/// is that of one draw, which another may exceed; the misfit is not amplified.
+/// No fixed misfit is right for every law: friction leaves more than noise even where all is known, and so does what
+/// contact folds into sampled accelerations. So the model is simulated, given noise and calibration scatter of the
+/// recording's size, and judged as the recording is. The free simulation's error is that of one draw of the scatter,
+/// which contact may amplify a thousand times, another time more or less; the misfit is not amplified.
 #pragma once
 
 #include <vector>

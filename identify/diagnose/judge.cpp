@@ -101,22 +101,23 @@ private:
                                    calcFreeError(pass_.judge_group.free_runs, result_.extended).error};
     }
 
-    /// True if the simulation of the validation runs leaves more than noise, and more than a perfect model would.
-    bool leavesMuch() {
-        if (!isLarge(result_.error_after.validation, result_.noise_floor.validation)) return false;
-        expected_ = calcExpectation(pass_.judge_group.motions, model_, result_.extended);
-        return isLarge(result_.error_after.validation, expected_.error);
+    bool leavesMuch() const { return isLarge(result_.error_after.validation, result_.noise_floor.validation); }
+
+    /// True if the equations of some runs are left with more than a perfect model would leave.
+    bool exceedsExpected(const RunGroup& group, double misfit, double least) const {
+        if (misfit <= 1 + least) return false;
+        return misfit > 1 + kFolds * (calcExpectation(group.motions, model_, result_.extended).misfit - 1);
     }
 
     /// Without a cause that was fitted to them the identification runs tell as much as those that judge. Causes that
     /// the simulation does not gain from count as none.
-    bool isUnexplained() {
+    bool isUnexplained() const {
         if (!leavesMuch()) return false;
         const Selection& selection = pass_.selection;
-        const bool none = selection.accepted.empty() || result_.error_after.validation > corrected_before_.validation;
-        const double misfit =
-            none ? std::max(selection.identification_after, selection.validation_after) : selection.validation_after;
-        return misfit > 1 + std::max(none ? kMisfitOfNothing : kMisfitOfCauses, kFolds * (expected_.misfit - 1));
+        if (!selection.accepted.empty() && result_.error_after.validation <= corrected_before_.validation)
+            return exceedsExpected(pass_.judge_group, selection.validation_after, kMisfitOfCauses);
+        return exceedsExpected(pass_.judge_group, selection.validation_after, kMisfitOfNothing) ||
+               exceedsExpected(pass_.fit_group, selection.identification_after, kMisfitOfNothing);
     }
 
     /// Whole sides of sensors, which the equations know to first order.
@@ -217,7 +218,7 @@ private:
 
     /// Three laws of the catalogue at one axis describe a law that is not in it; so do two that leave more than a
     /// perfect model would.
-    bool isPatchwork() {
+    bool isPatchwork() const {
         std::map<std::string, int> laws;
         int most = 0;
         for (const Candidate& candidate : pass_.selection.accepted) {
@@ -228,8 +229,7 @@ private:
         }
         if (most < kPatches) return false;
         if (most > kPatches) return true;
-        const Expectation expected = calcExpectation(pass_.fit_group.motions, model_, result_.extended);
-        return pass_.selection.identification_after > 1 + std::max(kMisfitOfPatches, kFolds * (expected.misfit - 1));
+        return exceedsExpected(pass_.fit_group, pass_.selection.identification_after, kMisfitOfPatches);
     }
 
     /// If a force along one axis could make nearly all that the model without any extension leaves, that axis is the
