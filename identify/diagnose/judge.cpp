@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -29,6 +30,7 @@ constexpr int kPatches = 2;          // accepted laws at one axis that may be no
 // causes, whose values are known to some accuracy only, without, with laws at one axis that may describe its force
 // together, and in terms of what is expected.
 constexpr double kMisfitOfCauses = 0.5, kMisfitOfNothing = 0.15, kMisfitOfPatches = 0.05, kFolds = 3;
+constexpr double kAnyMisfit = std::numeric_limits<double>::infinity();
 
 bool isLarge(double error, double noise_floor) {
     return error > kFloors * noise_floor && error > kLeastError;
@@ -103,9 +105,11 @@ private:
 
     bool leavesMuch() const { return isLarge(result_.error_after.validation, result_.noise_floor.validation); }
 
-    /// True if the equations of some runs are left with more than a perfect model would leave.
-    bool exceedsExpected(const RunGroup& group, double misfit, double least) const {
+    /// True if the equations of some runs are left with more than a perfect model would leave: of the misfit per value,
+    /// what exceeds 1 is below `least` without saying anything, above `most` it is not asked what is expected.
+    bool exceedsExpected(const RunGroup& group, double misfit, double least, double most) const {
         if (misfit <= 1 + least) return false;
+        if (misfit > 1 + most) return true;
         return misfit > 1 + kFolds * (calcExpectation(group.motions, model_, result_.extended).misfit - 1);
     }
 
@@ -115,9 +119,9 @@ private:
         if (!leavesMuch()) return false;
         const Selection& selection = pass_.selection;
         if (!selection.accepted.empty() && result_.error_after.validation <= corrected_before_.validation)
-            return exceedsExpected(pass_.judge_group, selection.validation_after, kMisfitOfCauses);
-        return exceedsExpected(pass_.judge_group, selection.validation_after, kMisfitOfNothing) ||
-               exceedsExpected(pass_.fit_group, selection.identification_after, kMisfitOfNothing);
+            return exceedsExpected(pass_.judge_group, selection.validation_after, kMisfitOfCauses, kAnyMisfit);
+        return exceedsExpected(pass_.judge_group, selection.validation_after, kMisfitOfNothing, kMisfitOfCauses) ||
+               exceedsExpected(pass_.fit_group, selection.identification_after, kMisfitOfNothing, kMisfitOfCauses);
     }
 
     /// Whole sides of sensors, which the equations know to first order.
@@ -229,7 +233,7 @@ private:
         }
         if (most < kPatches) return false;
         if (most > kPatches) return true;
-        return exceedsExpected(pass_.fit_group, pass_.selection.identification_after, kMisfitOfPatches);
+        return exceedsExpected(pass_.fit_group, pass_.selection.identification_after, kMisfitOfPatches, kAnyMisfit);
     }
 
     /// If a force along one axis could make nearly all that the model without any extension leaves, that axis is the
