@@ -27,9 +27,9 @@ double calcBlockMemory(const RecordingSize& size, const MountModel& model, const
 
 void addMemoryOption(CLI::App& command, MemoryOption& option) {
     command
-        .add_option(
-            "--memory", option.megabytes,
-            "MB that recordings may take; longer ones but MATLAB files are worked through in blocks (default 2000)")
+        .add_option("--memory", option.megabytes,
+                    "MB that recordings may take; longer ones but MATLAB files before 7.3 are worked through in blocks "
+                    "(default 2000)")
         ->check(isPositive());
 }
 

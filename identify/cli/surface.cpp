@@ -132,17 +132,19 @@ nlohmann::json reportFriction(const ComponentData& data, const std::vector<Compo
 }
 
 void runSurface(const SurfaceOptions& options, const CLI::App& command) {
+    ComponentOptions component;
+    if (command.count("--from") > 0) component.from = options.from;
+    if (command.count("--to") > 0) component.to = options.to;
+    if (component.from && component.to && *component.from >= *component.to)
+        throw InputError({"", 0, "--from/--to"}, "the window ends before it begins", "--from below --to, s");
     std::optional<ColumnMap> map;
     if (!options.common.column_map.empty()) map = readColumnMap(options.common.column_map);
     std::optional<Progress> progress(std::in_place, !options.common.quiet);
     progress->step("reading " + options.recording);
     const Recording recording = readRecording(options.recording, map ? &*map : nullptr);
-    ComponentOptions component;
     component.connection = options.connection;
     if (!options.axis.empty()) component.axis = static_cast<int>(std::string("xyz").find(options.axis));
     if (command.count("--mass") > 0) component.mass = options.mass;
-    if (command.count("--from") > 0) component.from = options.from;
-    if (command.count("--to") > 0) component.to = options.to;
     component.time_known = !map || map->has_time || map->sample_interval != 1;
     component.unit_mass_allowed = !isComponentTest(recording);
     progress->step("surface and laws", 0.1);

@@ -21,8 +21,13 @@ UniformSignal takeSignal(const Recording& recording, const Channel& channel) {
 const Channel& findCommon(const Recording& recording, const std::string& name) {
     const Channel* channel = recording.find(name);
     if (channel == nullptr) {
+        constexpr std::size_t kShown = 6;
         std::string names;
-        for (const auto& other : recording.channels) names += (names.empty() ? "" : ", ") + other.name;
+        for (std::size_t i = 0; i < std::min(kShown, recording.channels.size()); ++i)
+            names += (i == 0 ? "" : ", ") + recording.channels[i].name;
+        if (recording.channels.size() > kShown)
+            names +=
+                " and " + std::to_string(recording.channels.size() - kShown) + " more, which `identify inspect` lists";
         throw InputError({recording.file, 0, name}, "the common channel is not in this recording", names);
     }
     return *channel;

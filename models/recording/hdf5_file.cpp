@@ -1,13 +1,13 @@
 #include "models/recording/hdf5_file.hpp"
 
-#include <hdf5.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <memory>
 
 #include "models/error.hpp"
+#include "models/recording/hdf5_handle.hpp"
+#include "models/recording/stored_dataset.hpp"
 #include "models/recording/utf8.hpp"
 
 namespace wems {
@@ -16,39 +16,6 @@ namespace {
 constexpr int kDeepestGroup = 20;         // groups in groups, references to references
 constexpr long kMostObjects = 1000000;    // a file that refers to itself in circles ends here
 constexpr double kMostCompressed = 1100;  // deflate reaches 1032
-
-/// An identifier of the library, closed at the end of the scope.
-class Handle {
-public:
-    Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-    ~Handle() {
-        if (id_ >= 0) close_(id_);
-    }
-    Handle(const Handle&) = delete;
-    Handle& operator=(const Handle&) = delete;
-    hid_t get() const { return id_; }
-    explicit operator bool() const { return id_ >= 0; }
-
-private:
-    hid_t id_;
-    herr_t (*close_)(hid_t);
-};
-
-/// Keeps the library from printing its own messages.
-class QuietErrors {
-public:
-    QuietErrors() {
-        H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
-        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-    }
-    ~QuietErrors() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
-    QuietErrors(const QuietErrors&) = delete;
-    QuietErrors& operator=(const QuietErrors&) = delete;
-
-private:
-    H5E_auto2_t function_ = nullptr;
-    void* data_ = nullptr;
-};
 
 herr_t collectName(hid_t, const char* name, const H5L_info_t*, void* target) {
     static_cast<std::vector<std::string>*>(target)->emplace_back(name);
@@ -64,21 +31,21 @@ std::string cutText(const char* bytes, std::size_t size) {
 
 class TreeReader {
 public:
-    explicit TreeReader(const std::string& file) : file_(file) {
+    TreeReader(const std::string& file, std::size_t most_read) : file_(file), most_read_(most_read) {
         std::error_code ignored;
         limit_ = 1e6 + kMostCompressed * static_cast<double>(std::filesystem::file_size(file, ignored));
     }
 
     MatFile read() {
         const QuietErrors quiet;
-        const Handle handle(H5Fopen(file_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+        const Hdf5Handle handle(H5Fopen(file_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
         if (!handle) throw InputError({file_, 0, {}}, "is not a MATLAB 7.3 or HDF5 file, or is damaged", "HDF5");
-        const Handle plist(H5Fget_create_plist(handle.get()), H5Pclose);
+        const Hdf5Handle plist(H5Fget_create_plist(handle.get()), H5Pclose);
         hsize_t user_block = 0;
         if (plist) H5Pget_userblock(plist.get(), &user_block);
         MatFile result;
         result.version = user_block >= 512 ? "MATLAB 7.3" : "HDF5";
-        const Handle root(H5Gopen2(handle.get(), "/", H5P_DEFAULT), H5Gclose);
+        const Hdf5Handle root(H5Gopen2(handle.get(), "/", H5P_DEFAULT), H5Gclose);
         result.root = readFields(root.get(), 0);
         if (result.root.fields.empty()) throw InputError({file_, 0, {}}, "holds no variable, or is damaged");
         return result;
@@ -97,7 +64,7 @@ private:
     MatValue readFields(hid_t group, int depth) {
         MatValue element;
         for (const auto& name : listMembers(group)) {
-            const Handle object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
+            const Hdf5Handle object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
             element.fields.emplace_back(name, readObject(object.get(), depth + 1));
         }
         return element;
@@ -122,7 +89,7 @@ private:
         MatValue fields = readFields(group, depth);
         // An array of structures: every field is a list of references, which are no cells.
         const auto isList = [&](const auto& field) {
-            const Handle dataset(H5Dopen2(group, field.first.c_str(), H5P_DEFAULT), H5Dclose);
+            const Hdf5Handle dataset(H5Dopen2(group, field.first.c_str(), H5P_DEFAULT), H5Dclose);
             return dataset && field.second.kind == MatValue::Kind::cells && readClass(dataset.get()).empty() &&
                    field.second.elements.size() == fields.fields.front().second.elements.size();
         };
@@ -141,12 +108,12 @@ private:
     /// The attribute MATLAB_class; empty if there is none.
     static std::string readClass(hid_t dataset) {
         if (H5Aexists(dataset, "MATLAB_class") <= 0) return {};
-        const Handle attribute(H5Aopen(dataset, "MATLAB_class", H5P_DEFAULT), H5Aclose);
+        const Hdf5Handle attribute(H5Aopen(dataset, "MATLAB_class", H5P_DEFAULT), H5Aclose);
         if (!attribute) return {};
-        const Handle type(H5Aget_type(attribute.get()), H5Tclose);
+        const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose);
         if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) > 0) return {};
         const std::size_t size = H5Tget_size(type.get());
-        const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+        const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose);
         if (size == 0 || size > 64 || H5Sget_simple_extent_npoints(space.get()) != 1) return {};
         std::vector<char> bytes(size);
         // In the file's own type, since a conversion would cut texts that fill their length.
@@ -156,11 +123,10 @@ private:
 
     MatValue readDataset(hid_t dataset, int depth) {
         MatValue value;
-        const Handle space(H5Dget_space(dataset), H5Sclose);
-        const Handle type(H5Dget_type(dataset), H5Tclose);
+        const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
+        const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
         if (!space || !type || H5Sget_simple_extent_type(space.get()) == H5S_NULL) return value;
-        std::vector<hsize_t> dims(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space.get()))));
-        if (!dims.empty()) H5Sget_simple_extent_dims(space.get(), dims.data(), nullptr);
+        const std::vector<hsize_t> dims = findDimensions(dataset);
         double count = 1;
         for (const hsize_t dim : dims) count *= static_cast<double>(dim);
         if (count * 8 > limit_)
@@ -187,17 +153,23 @@ private:
     }
 
     /// Row by row of the dataset is column by column of MATLAB's array, whose dimensions stand in reverse.
-    static void readNumbers(hid_t dataset, const std::vector<hsize_t>& dims, std::size_t size, MatValue& value) {
+    void readNumbers(hid_t dataset, const std::vector<hsize_t>& dims, std::size_t size, MatValue& value) const {
+        value.rows = dims.empty() ? 1 : static_cast<std::size_t>(dims.back());
+        value.columns = size / value.rows;
+        if (dims.size() == 1) std::swap(value.rows, value.columns);
+        const bool is_text = readClass(dataset) == "char";
+        if (size > most_read_ && dims.size() <= 2 && !is_text) {
+            value.kind = MatValue::Kind::numbers;
+            value.stored = std::make_shared<StoredDataset>(dataset, file_);
+            return;
+        }
         value.numbers.resize(size);
         if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, value.numbers.data()) < 0) {
             value.numbers.clear();
             return;
         }
         value.kind = MatValue::Kind::numbers;
-        value.rows = dims.empty() ? 1 : static_cast<std::size_t>(dims.back());
-        value.columns = size / value.rows;
-        if (dims.size() == 1) std::swap(value.rows, value.columns);
-        if (readClass(dataset) == "char") makeText(value);
+        if (is_text) makeText(value);
     }
 
     /// Character codes to texts, one for each row.
@@ -221,16 +193,16 @@ private:
         if (H5Dread(dataset, H5T_STD_REF_OBJ, H5S_ALL, H5S_ALL, H5P_DEFAULT, references.data()) < 0) return;
         value.kind = MatValue::Kind::cells;
         for (const auto& reference : references) {
-            const Handle object(H5Rdereference2(dataset, H5P_DEFAULT, H5R_OBJECT, &reference), H5Oclose);
+            const Hdf5Handle object(H5Rdereference2(dataset, H5P_DEFAULT, H5R_OBJECT, &reference), H5Oclose);
             value.elements.push_back(readObject(object.get(), depth + 1));
         }
     }
 
     void readTexts(hid_t dataset, hid_t type, std::size_t size, MatValue& value) const {
-        const Handle space(H5Dget_space(dataset), H5Sclose);
+        const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
         if (H5Tis_variable_str(type) > 0) {
             std::vector<char*> texts(size, nullptr);
-            const Handle memory(H5Tcopy(type), H5Tclose);
+            const Hdf5Handle memory(H5Tcopy(type), H5Tclose);
             if (H5Dread(dataset, memory.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()) < 0) return;
             for (const char* text : texts) value.texts.emplace_back(text != nullptr ? text : "");
             H5Dvlen_reclaim(memory.get(), space.get(), H5P_DEFAULT, texts.data());
@@ -245,14 +217,15 @@ private:
     }
 
     const std::string& file_;
+    std::size_t most_read_;
     double limit_ = 0;  // bytes that the file can hold
     long objects_ = 0;
 };
 
 }  // namespace
 
-MatFile readHdf5File(const std::string& file) {
-    return TreeReader(file).read();
+MatFile readHdf5File(const std::string& file, std::size_t most_read) {
+    return TreeReader(file, most_read).read();
 }
 
 }  // namespace wems

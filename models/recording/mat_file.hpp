@@ -2,11 +2,27 @@
 /// The variables of a MATLAB file as a tree, without its library.
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace wems {
+
+/// An array of numbers that was left in its file.
+class StoredNumbers {
+public:
+    StoredNumbers() = default;
+    virtual ~StoredNumbers() = default;
+    StoredNumbers(const StoredNumbers&) = delete;
+    StoredNumbers& operator=(const StoredNumbers&) = delete;
+
+    /// The part that begins at `row` and `column` and has `rows` and `columns` of them, column by column.
+    /// @throws InputError: damaged
+    virtual std::vector<double> read(std::size_t row, std::size_t rows, std::size_t column,
+                                     std::size_t columns) const = 0;
+};
 
 /// A variable, a field or an element.
 struct MatValue {
@@ -19,12 +35,15 @@ struct MatValue {
     };
     Kind kind = Kind::other;
     std::size_t rows = 0, columns = 0;  ///< of numbers; further dimensions are folded into the columns
-    std::vector<double> numbers;        ///< column by column
-    std::vector<std::string> texts;     ///< UTF-8, without blanks at the end
+    std::vector<double> numbers;        ///< column by column; none if they are `stored`
+    std::shared_ptr<const StoredNumbers> stored;
+    std::vector<std::string> texts;  ///< UTF-8, without blanks at the end
     std::vector<MatValue> elements;
     std::vector<std::pair<std::string, MatValue>> fields;  ///< of an element of a structure
 
     const MatValue* find(const std::string& field) const;
+    /// Of numbers, wherever they are.
+    std::size_t count() const { return rows * columns; }
 };
 
 struct MatFile {

@@ -6,7 +6,6 @@
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/recording/hdf5_file.hpp"
-#include "models/recording/mat_file.hpp"
 
 namespace wems {
 namespace {
@@ -14,7 +13,7 @@ namespace {
 using Kind = MatValue::Kind;
 
 bool isVector(const MatValue& value) {
-    return value.kind == Kind::numbers && value.numbers.size() > 1 && (value.rows == 1 || value.columns == 1);
+    return value.kind == Kind::numbers && value.count() > 1 && (value.rows == 1 || value.columns == 1);
 }
 
 bool contains(const std::string& name, std::initializer_list<const char*> words) {
@@ -31,7 +30,7 @@ std::vector<std::string> listTexts(const MatValue& value) {
     std::vector<std::string> texts;
     if (value.kind != Kind::cells) return texts;
     for (const auto& element : value.elements) {
-        const bool empty = element.kind == Kind::other || element.numbers.empty();
+        const bool empty = element.kind == Kind::other || element.count() == 0;
         if (element.kind == Kind::text && element.texts.size() == 1) {
             texts.push_back(element.texts.front());
         } else if (empty && element.texts.empty()) {
@@ -66,7 +65,7 @@ std::string textOf(const MatValue* value) {
 
 class TableMaker {
 public:
-    explicit TableMaker(RecordingTable& table) : table_(table) {}
+    explicit TableMaker(MatTable& target) : table_(target.table), series_(target.series) {}
 
     void addContainer(const MatValue& container, const std::string& path) {
         const MatValue* data = findFirst(container, {"data", "Data", "values", "Values", "value", "y", "Y"});
@@ -78,7 +77,7 @@ public:
             if (&value == data && isVector(value)) {
                 OfferedColumn column{label.empty() ? (path.empty() ? full : path) : label, {}, {full}};
                 if (!unit.empty()) column.unit = unit;
-                addColumn(std::move(column), value.numbers);
+                addColumn(std::move(column), {&value, value.columns == 1, 0});
             } else {
                 addValue(value, full, container);
             }
@@ -113,25 +112,22 @@ private:
 
     void addNumbers(const MatValue& value, const std::string& path, const MatValue& container) {
         if (value.numbers.size() == 1) table_.metadata[path] = formatNumber(value.numbers.front(), 12);
-        if (value.numbers.size() < 2) return;
+        if (value.count() < 2) return;
         if (isVector(value)) {
-            addColumn({path, {}, {}}, value.numbers);
+            addColumn({path, {}, {}}, {&value, value.columns == 1, 0});
             return;
         }
         const bool down = value.rows >= value.columns;  // samples run down the columns
-        const std::size_t channels = down ? value.columns : value.rows, samples = down ? value.rows : value.columns;
+        const std::size_t channels = down ? value.columns : value.rows;
         const auto names =
             findList(container, value, channels, {"name", "label", "channel", "header", "legend", "columns"});
         const auto units = findList(container, value, channels, {"unit"});
         for (std::size_t j = 0; j < channels; ++j) {
-            std::vector<double> numbers(samples);
-            for (std::size_t i = 0; i < samples; ++i)
-                numbers[i] = value.numbers[down ? j * samples + i : i * channels + j];
             std::string numbered = path;
             numbered.append(".").append(std::to_string(j + 1));
             OfferedColumn column{names.empty() || names[j].empty() ? numbered : names[j], {}, {numbered}};
             if (!units.empty() && !units[j].empty()) column.unit = units[j];
-            addColumn(std::move(column), std::move(numbers));
+            addColumn(std::move(column), {&value, down, j});
         }
     }
 
@@ -146,14 +142,14 @@ private:
         return {};
     }
 
-    void addColumn(OfferedColumn column, std::vector<double> values) {
+    void addColumn(OfferedColumn column, const MatSeries& series) {
         const std::string pointed = withPoints(column.text);
         if (pointed != column.text) {
             column.aliases.push_back(column.text);
             column.text = pointed;
         }
         table_.columns.push_back(std::move(column));
-        table_.values.push_back(std::move(values));
+        series_.push_back(series);
     }
 
 public:
@@ -164,32 +160,49 @@ public:
 
 private:
     RecordingTable& table_;
+    std::vector<MatSeries>& series_;
     std::vector<std::string> unread_;
 };
 
 }  // namespace
 
-RecordingTable readMat(const std::string& file, bool hdf5) {
-    const MatFile content = hdf5 ? readHdf5File(file) : readMatFile(file);
-    RecordingTable table;
+std::vector<double> MatSeries::read(std::size_t first, std::size_t count) const {
+    if (array->stored)
+        return down ? array->stored->read(first, count, channel, 1) : array->stored->read(channel, 1, first, count);
+    std::vector<double> values(count);
+    for (std::size_t i = 0; i < count; ++i)
+        values[i] = array->numbers[down ? channel * array->rows + first + i : (first + i) * array->rows + channel];
+    return values;
+}
+
+MatTable tabulateMat(MatFile content, const std::string& file) {
+    MatTable result;
+    result.content = std::make_shared<const MatFile>(std::move(content));
+    RecordingTable& table = result.table;
     table.file = file;
-    table.format = content.version;
+    table.format = result.content->version;
     table.missing_unit = MissingUnit::own_names;
-    TableMaker maker(table);
-    const auto& variables = content.root.fields;
+    TableMaker maker(result);
+    const auto& variables = result.content->root.fields;
     const MatValue* only = variables.size() == 1 ? &variables.front().second : nullptr;
     if (only != nullptr && only->kind == Kind::structs && only->elements.size() == 1) {
         maker.addContainer(only->elements.front(), "");
     } else {
-        maker.addContainer(content.root, "");
+        maker.addContainer(result.content->root, "");
     }
     maker.finish();
-    if (content.has_objects) table.warnings.emplace_back("objects and what functions hold are not read");
+    if (result.content->has_objects) table.warnings.emplace_back("objects and what functions hold are not read");
     if (table.columns.empty())
         throw InputError({file, 0, {}}, "holds no numeric vector or matrix that can be read",
                          "numeric arrays and structures; MATLAB's table and timeseries objects must be saved as "
                          "structures or arrays");
-    return table;
+    return result;
+}
+
+RecordingTable readMat(const std::string& file, bool hdf5) {
+    MatTable read = tabulateMat(hdf5 ? readHdf5File(file) : readMatFile(file), file);
+    for (const MatSeries& series : read.series) read.table.values.push_back(series.read(0, series.sampleCount()));
+    return std::move(read.table);
 }
 
 }  // namespace wems

@@ -10,11 +10,35 @@
 /// the column map names needs its unit there. Texts and scalars become metadata.
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <string>
+#include <vector>
 
+#include "models/recording/mat_file.hpp"
 #include "models/recording/recording_table.hpp"
 
 namespace wems {
+
+/// A channel of an array of numbers.
+struct MatSeries {
+    const MatValue* array = nullptr;
+    bool down = true;         ///< samples run down the array's columns, a column for each channel
+    std::size_t channel = 0;  ///< along the other side
+
+    std::size_t sampleCount() const { return down ? array->rows : array->columns; }
+    /// @throws InputError: damaged
+    std::vector<double> read(std::size_t first, std::size_t count) const;
+};
+
+struct MatTable {
+    std::shared_ptr<const MatFile> content;  ///< has the arrays of the series
+    RecordingTable table;                    ///< without values
+    std::vector<MatSeries> series;           ///< of each column
+};
+/// The columns of a file.
+/// @throws InputError: there is none
+MatTable tabulateMat(MatFile content, const std::string& file);
 
 /// @param hdf5 true for version 7.3 and other HDF5 files
 /// @throws InputError

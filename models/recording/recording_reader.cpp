@@ -8,6 +8,7 @@
 #include "models/error.hpp"
 #include "models/recording/csv_reader.hpp"
 #include "models/recording/csv_rows.hpp"
+#include "models/recording/hdf5_rows.hpp"
 #include "models/recording/mat_extent.hpp"
 #include "models/recording/mat_reader.hpp"
 #include "models/recording/recording_table.hpp"
@@ -66,6 +67,8 @@ Recording readRecording(const std::string& file, const ColumnMap* map) {
         case Format::csv:
             break;
     }
+    if (extension == ".toml")
+        throw InputError({file, 0, {}}, "a TOML file where a recording is expected", kReadableFormats);
     if (const char* beginning = findPromise(extension))
         throw InputError({file, 0, {}}, "the content is not what the name " + extension + " promises", beginning);
     return parseRecording(text, file, map);
@@ -93,12 +96,12 @@ bool isStreamable(const std::string& file) {
     const std::string extension = findExtension(file);
     switch (findFormat(text, extension)) {
         case Format::text:
-            return true;
-        case Format::csv:
-            break;
         case Format::hdf5:
+            return true;
         case Format::mat:
             return false;
+        case Format::csv:
+            break;
     }
     const bool utf16 = text.substr(0, 2) == "\xFF\xFE" || text.substr(0, 2) == "\xFE\xFF";
     return !utf16 && findPromise(extension) == nullptr;
@@ -111,8 +114,10 @@ std::unique_ptr<RowSource> openRows(const std::string& file, const ColumnMap* ma
         case Format::text:
             return findTextFormat(text)->open(file, map);
         case Format::hdf5:
+            return std::make_unique<Hdf5Rows>(file, map);
         case Format::mat:
-            throw InputError({file, 0, {}}, "a MATLAB or HDF5 file is not read in blocks", "CSV, UFF 58, OpenSim");
+            throw InputError({file, 0, {}}, "a MATLAB file of version 4 or 5 is not read in blocks",
+                             "MATLAB 7.3, HDF5, CSV, UFF 58, OpenSim");
         case Format::csv:
             break;
     }

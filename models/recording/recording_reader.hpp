@@ -18,8 +18,8 @@ inline constexpr const char* kReadableFormats = "CSV, MATLAB, UFF 58, OpenSim";
 /// @throws InputError with file, row and column name.
 Recording readRecording(const std::string& file, const ColumnMap* map = nullptr);
 
-/// True if `file` is a file on disk that RecordingStream reads: CSV (but UTF-16), universal file 58, OpenSim's. Never
-/// throws; what is wrong with a file is readRecording()'s to say.
+/// True if `file` is a file on disk that RecordingStream reads: CSV (but UTF-16), universal file 58, OpenSim's, MATLAB
+/// 7.3 and other HDF5 files. Never throws; what is wrong with a file is readRecording()'s to say.
 bool isStreamable(const std::string& file);
 
 }  // namespace wems

@@ -114,6 +114,22 @@ TablePlan planTable(RecordingTable& table, const ColumnMap* map) {
     return plan;
 }
 
+std::size_t checkLengths(const TablePlan& plan, const std::function<std::size_t(const SelectedColumn&)>& count) {
+    const auto& columns = plan.columns;
+    auto first =
+        std::find_if(columns.begin(), columns.end(), [](const SelectedColumn& column) { return column.name == kTime; });
+    if (first == columns.end()) first = columns.begin();
+    const std::size_t length = count(*first);
+    for (const SelectedColumn& column : columns) {
+        if (count(column) == length) continue;
+        throw InputError({plan.recording.file, 0, column.name},
+                         "has " + std::to_string(count(column)) + " values, the time has " + std::to_string(length),
+                         "channels of one length; a column map can choose among them, and `identify merge` puts "
+                         "recordings of different rates together");
+    }
+    return length;
+}
+
 void appendValues(const TablePlan& plan, std::size_t k, std::vector<double> values, Recording& recording) {
     const SelectedColumn& column = plan.columns[k];
     std::size_t channel = 0;
@@ -131,23 +147,10 @@ void appendValues(const TablePlan& plan, std::size_t k, std::vector<double> valu
 Recording makeRecording(RecordingTable table, const ColumnMap* map) {
     TablePlan plan = planTable(table, map);
     Recording& recording = plan.recording;
-    const auto findLength = [&] {
-        for (const auto& column : plan.columns)
-            if (column.name == kTime) return table.values[column.index].size();
-        return table.values[plan.columns.front().index].size();
-    };
-    const std::size_t length = findLength();
-    for (std::size_t k = 0; k < plan.columns.size(); ++k) {
-        const SelectedColumn& column = plan.columns[k];
-        std::vector<double>& values = table.values[column.index];
-        if (values.size() != length) {
-            throw InputError({recording.file, 0, column.name},
-                             "has " + std::to_string(values.size()) + " values, the time has " + std::to_string(length),
-                             "channels of one length; a column map can choose among them, and `identify merge` puts "
-                             "recordings of different rates together");
-        }
-        appendValues(plan, k, std::move(values), recording);
-    }
+    const std::size_t length =
+        checkLengths(plan, [&](const SelectedColumn& column) { return table.values[column.index].size(); });
+    for (std::size_t k = 0; k < plan.columns.size(); ++k)
+        appendValues(plan, k, std::move(table.values[plan.columns[k].index]), recording);
     if (length == 0) throw InputError({recording.file, table.header_row, {}}, "there are no samples");
     finishRecording(recording, map, plan.positions);
     return std::move(plan.recording);

@@ -2,6 +2,8 @@
 /// What the readers of the formats other than CSV hand over, and the last steps that all formats share.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -33,6 +35,11 @@ struct TablePlan {
 };
 /// @throws InputError as selectColumns()
 TablePlan planTable(RecordingTable& table, const ColumnMap* map);
+
+/// The number of samples that all columns of the plan have.
+/// @param count of a column
+/// @throws InputError: they have different ones
+std::size_t checkLengths(const TablePlan& plan, const std::function<std::size_t(const SelectedColumn&)>& count);
 
 /// Converts further values of column `k` of the plan to SI and appends them to `recording`.
 /// @throws InputError: an infinite value, a row without time

@@ -55,3 +55,17 @@ TEST_CASE("A recording in place of a model is recognised") {
     checkRefused({"fit", "run.csv", "--model", "run.csv"},
                  {"run.csv:2", "not valid TOML", "looks like a table of data, such as a recording"});
 }
+
+TEST_CASE("A window that ends before it begins is refused before anything is read") {
+    checkRefused({"surface", "not_there.csv", "--from", "2", "--to", "1"},
+                 {"--from/--to", "the window ends before it begins", "--from below --to"});
+}
+
+TEST_CASE("A model in place of a recording is recognised") {
+    const TemporaryDirectory folder;
+    folder.write("model.toml", "[body]\nmass = 5.0\n");
+    const auto shown = runProgram(IDENTIFY_PROGRAM, {"inspect", "model.toml"}, folder.path());
+    CAPTURE(shown.output, shown.errors);
+    CHECK(shown.exit_status == 2);
+    CHECK_THAT(shown.errors, Contains("model.toml: a TOML file where a recording is expected"));
+}

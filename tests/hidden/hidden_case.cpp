@@ -1,6 +1,7 @@
 // Draws a hidden case and writes what a diagnosis may see (base.toml, run1.csv, run2.csv, validate.csv) and the truth
 // (truth.toml, truth.json, plan.json).
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -58,6 +59,29 @@ void scaleOutside(HiddenCase& hidden, Random& random) {
     }
 }
 
+struct RecordedCase {
+    HiddenCase hidden;
+    std::array<Recording, 3> runs;
+};
+
+/// One whose truth can be simulated, the first of those drawn one after the other.
+RecordedCase drawRecorded(const std::string& kind, std::uint64_t noise_seed, Random& random, Sensors sensors) {
+    constexpr int kDraws = 20;
+    for (int draw = 0; draw < kDraws; ++draw) {
+        RecordedCase drawn{drawCase(kind, random, sensors), {}};
+        if (kind != "none" && kind != "two" && kind != "outside") drawn.hidden.kind = "single";
+        try {
+            if (kind == "outside") scaleOutside(drawn.hidden, random);
+            for (std::size_t r = 0; r < drawn.runs.size(); ++r)
+                drawn.runs.at(r) = recordForward(drawn.hidden, r, noise_seed);
+            return drawn;
+        } catch (const TruthDiverged&) {
+            continue;
+        }
+    }
+    throw TruthDiverged();
+}
+
 void run(std::uint64_t seed, std::uint64_t index, const std::string& folder, std::string kind, Sensors sensors) {
     std::seed_seq sequence{seed, index};
     Random random(sequence);
@@ -65,9 +89,7 @@ void run(std::uint64_t seed, std::uint64_t index, const std::string& folder, std
         const double u = drawUniform(random, 0, 1);
         kind = u < 0.15 ? "none" : u < 0.3 ? "two" : u < 0.45 ? "outside" : listCauses()[index % listCauses().size()];
     }
-    HiddenCase hidden = drawCase(kind, random, sensors);
-    if (kind != "none" && kind != "two" && kind != "outside") hidden.kind = "single";
-    if (kind == "outside") scaleOutside(hidden, random);
+    const auto [hidden, runs] = drawRecorded(kind, seed * 1000003 + index * 17, random, sensors);
     std::filesystem::create_directories(folder);
     MountModel base = hidden.base, truth = hidden.truth;
     base.bracket_path = folder + "/bracket.csv";
@@ -86,7 +108,7 @@ void run(std::uint64_t seed, std::uint64_t index, const std::string& folder, std
                         {"upward", hidden.runs[r].upward},
                         {"octaves_per_minute", hidden.octaves_per_minute},
                         {"sample_rate", hidden.rate}});
-        writeCsv(recordForward(hidden, r, seed * 1000003 + index * 17), folder + "/" + names[r] + ".csv", 7);
+        writeCsv(runs.at(r), folder + "/" + names[r] + ".csv", 7);
     }
     std::ofstream(folder + "/plan.json") << plan.dump(1) << "\n";
 }

@@ -149,7 +149,7 @@ Markers simulateTruth(const HiddenCase& hidden, std::size_t run) {
                                   k4 = device.calcRates(y + h * k3, at + h);
             y += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
         }
-        if (!y.allFinite()) throw std::runtime_error("the truth of a hidden case diverged");
+        if (!y.allFinite()) throw TruthDiverged();
     }
     return markers;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <stdexcept>
 
 #include "tests/hidden/random_case.hpp"
 
@@ -16,8 +17,14 @@ struct Markers {
     std::vector<double> time;
 };
 
+/// Nothing that can be measured moves like this: an outside effect of no use.
+class TruthDiverged : public std::runtime_error {
+public:
+    TruthDiverged() : std::runtime_error("the truth of a hidden case diverged") {}
+};
+
 /// Classical Runge–Kutta with a quarter of a millisecond; a force of the outside effect acts between both parts
-/// (a disturbance on the mobile part alone).
+/// (a disturbance on the mobile part alone). @throws TruthDiverged
 Markers simulateTruth(const HiddenCase& hidden, std::size_t run);
 
 }  // namespace wems::hidden

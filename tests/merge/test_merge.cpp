@@ -107,6 +107,11 @@ TEST_CASE("What cannot be merged is refused") {
     Recording b = record("b.csv", -1, 24, 500, 100, "mobile.1.az", 1, 0.001, random);
     CHECK_THROWS_WITH(merge({a}, {}), Catch::Contains("cannot be merged"));
     CHECK_THROWS_WITH(merge({a, b}, {"base.az", 0}), Catch::Contains("base.az: the common channel is not in this"));
+    Recording many = a;
+    for (int i = 2; i < 40; ++i)
+        many.channels.push_back({"mobile." + std::to_string(i) + ".z", "m", a.channels[0].values});
+    CHECK_THROWS_WITH(merge({many, b}, {"base.az", 0}),
+                      Catch::Contains("mobile.5.z and 34 more, which `identify inspect` lists"));
     CHECK_THROWS_WITH(merge({a, b}, {}), Catch::Contains("have no time in common"));
     CHECK_THROWS_WITH(merge({a, a}, {"load.fz", 0}), Catch::Contains("mobile.1.z: is in another"));
     std::normal_distribution<double> normal;

@@ -161,6 +161,14 @@ TEST_CASE("A name that promises another content") {
     std::filesystem::remove(misnamed);
 }
 
+TEST_CASE("A model given as a recording") {
+    const test::TemporaryFile file("[body]\nmass = 5.0\n");
+    const std::string model = file.path() + ".toml";
+    std::filesystem::copy_file(file.path(), model);
+    CHECK_THROWS_WITH(readRecording(model), Contains(model) && Contains("a TOML file where a recording is expected"));
+    std::filesystem::remove(model);
+}
+
 TEST_CASE("Every cut and every flipped byte of a text format is read or refused") {
     const auto name = GENERATE(as<std::string>(), "pyuff_ascii.uff", "pyuff_binary.uff", "markers.trc", "table.sto",
                                "daq_preamble.csv");

@@ -113,9 +113,10 @@ TEST_CASE("Bad rows of long recordings are named as in short ones") {
     CHECK_THROWS_WITH(readBlocks(late.path(), 3), Contains("has values from this row on and none before"));
 }
 
-TEST_CASE("Text formats and binary universal files are read in blocks, MATLAB files are not") {
+TEST_CASE("All formats but MATLAB before 7.3 are read in blocks") {
     CHECK(isStreamable(WEMS_SOURCE_DIR "/tests/recording/data/table.sto"));
     CHECK(isStreamable(WEMS_SOURCE_DIR "/tests/recording/data/pyuff_binary.uff"));
+    CHECK(isStreamable(WEMS_SOURCE_DIR "/tests/recording/data/hdf5storage_matrix.mat"));
     CHECK_FALSE(isStreamable(WEMS_SOURCE_DIR "/tests/recording/data/scipy_vectors.mat"));
     CHECK_FALSE(isStreamable(WEMS_SOURCE_DIR "/tests/recording"));
     CHECK_FALSE(isStreamable("there-is-none.csv"));

@@ -1,6 +1,10 @@
 // Long recordings of the formats other than CSV in blocks: together they are what readRecording() reads at once.
+#include <hdf5.h>
+
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <random>
@@ -92,6 +96,37 @@ std::string uffColumns() {
     return "[columns]\n\"1:+X\" = \"mobile.1.x\"\n\"1:+Z\" = \"mobile.1.z\"\n";
 }
 
+/// What writes an HDF5 file: the library itself, one dataset after the other.
+class Hdf5Sample {
+public:
+    explicit Hdf5Sample(const std::string& file)
+        : file_(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)) {}
+    ~Hdf5Sample() { H5Fclose(file_); }
+    Hdf5Sample(const Hdf5Sample&) = delete;
+    Hdf5Sample& operator=(const Hdf5Sample&) = delete;
+
+    /// @param chunk none: the numbers stand on end; otherwise they are compressed in pieces of this size
+    void add(const char* name, const std::vector<hsize_t>& dims, const std::vector<hsize_t>& chunk, bool single,
+             const std::vector<double>& values) const {
+        const int rank = static_cast<int>(dims.size());
+        const hid_t space = H5Screate_simple(rank, dims.data(), nullptr), creation = H5Pcreate(H5P_DATASET_CREATE);
+        if (!chunk.empty()) {
+            H5Pset_chunk(creation, rank, chunk.data());
+            H5Pset_deflate(creation, 1);
+        }
+        const hid_t dataset = H5Dcreate2(file_, name, single ? H5T_IEEE_F32LE : H5T_IEEE_F64BE, space, H5P_DEFAULT,
+                                         creation, H5P_DEFAULT);
+        const herr_t written = H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+        H5Dclose(dataset);
+        H5Pclose(creation);
+        H5Sclose(space);
+        REQUIRE(written >= 0);
+    }
+
+private:
+    hid_t file_;
+};
+
 void checkBlocks(const std::string& file, const ColumnMap* map, std::size_t rows, bool even = true) {
     REQUIRE(isStreamable(file));
     const Recording whole = readRecording(file, map);
@@ -153,6 +188,98 @@ TEST_CASE("Blocks of universal files join to the whole recording") {
     // The last function alone: the time is still that of the first.
     const ColumnMap last = parseColumnMap("[columns]\n\"1:+Z\" = \"mobile.1.z\"\n", "map.toml");
     checkBlocks(file.path(), &last, rows, kind.even);
+}
+
+TEST_CASE("Blocks of HDF5 files join to the whole recording") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const std::size_t samples = 10000 + random() % 10000, rows = 500 + random() % 12000;
+    const bool compressed = GENERATE(false, true), single = GENERATE(false, true);
+    CAPTURE(samples, rows, compressed, single);
+    const auto chunkOf = [&](const std::vector<hsize_t>& dims) {
+        std::vector<hsize_t> chunk;
+        for (const hsize_t dim : dims) chunk.push_back(1 + random() % std::min<hsize_t>(dim, 3000));
+        return compressed ? chunk : std::vector<hsize_t>{};
+    };
+    std::vector<double> time(samples);
+    for (std::size_t k = 0; k < samples; ++k) time[k] = static_cast<double>(k) / 1024;
+    const auto drawn = [&](std::size_t count) {
+        std::vector<double> values(count);
+        for (double& value : values) value = draw(random);
+        return values;
+    };
+    const test::TemporaryFile file;
+    bool is_matrix = false;
+    SECTION("vectors of any shape") {
+        const std::vector<std::vector<hsize_t>> shapes{{samples}, {1, samples}, {samples, 1}};
+        const Hdf5Sample sample(file.path());
+        int shape = 0;
+        for (const char* name : {"mobile_1_z", "load_fz", "base_az"}) {
+            const auto& dims = shapes[static_cast<std::size_t>(shape++)];
+            sample.add(name, dims, chunkOf(dims), single, drawn(samples));
+        }
+        const auto& dims = shapes[random() % 3];
+        sample.add("time", dims, chunkOf(dims), single, time);
+    }
+    SECTION("a matrix") {
+        const bool row_by_row = GENERATE(true, false);  // a row of the file holds a sample of each channel
+        CAPTURE(row_by_row);
+        constexpr std::size_t kChannels = 7;
+        std::vector<double> values = drawn(kChannels * samples);
+        for (std::size_t k = 0; k < samples; ++k) values[row_by_row ? k * kChannels : k] = time[k];
+        const std::vector<hsize_t> dims =
+            row_by_row ? std::vector<hsize_t>{samples, kChannels} : std::vector<hsize_t>{kChannels, samples};
+        const Hdf5Sample sample(file.path());
+        sample.add("data", dims, chunkOf(dims), single, values);
+        is_matrix = true;
+    }
+    const ColumnMap map = parseColumnMap(
+        "[columns]\n\"data.1\" = { channel = \"time\", unit = \"s\" }\n"
+        "\"data.6\" = { channel = \"load.fz\", unit = \"N\" }\n"
+        "\"data.3\" = { channel = \"mobile.1.z\", unit = \"mm\" }\n",
+        "map.toml");
+    checkBlocks(file.path(), is_matrix ? &map : nullptr, rows);
+}
+
+TEST_CASE("Every flipped byte of a long HDF5 file is read or refused") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    constexpr std::size_t kSamples = 6000;  // more than are read with the header
+    const test::TemporaryFile file;
+    {
+        const Hdf5Sample sample(file.path());
+        std::vector<double> time(kSamples), values(2 * kSamples);
+        for (std::size_t k = 0; k < kSamples; ++k) time[k] = static_cast<double>(k) / 1024;
+        for (double& value : values) value = std::round(10 * draw(random));
+        sample.add("time", {kSamples}, {1000}, true, time);
+        sample.add("data", {kSamples, 2}, {500, 2}, false, values);
+    }
+    const ColumnMap map =
+        parseColumnMap("[columns]\n\"data.1\" = { channel = \"mobile.1.z\", unit = \"mm\" }\n", "map.toml");
+    const std::string good = file.read();
+    int refused = 0;
+    for (int i = 0; i < 300; ++i) {
+        std::string bad = good;
+        if (i % 3 == 0) {
+            bad.resize(random() % good.size());
+        } else {
+            // Half of the places in the headers, which are short.
+            bad[random() % (i % 2 == 0 ? good.size() : std::min<std::size_t>(good.size(), 4000))] ^=
+                static_cast<char>(1 + random() % 255);
+        }
+        const test::TemporaryFile damaged(bad.empty() ? " " : bad);
+        try {
+            RecordingStream stream(damaged.path(), &map, 1000);
+            for (Recording block; stream.next(block);)
+                for (const double value : block.channels.front().values) REQUIRE(std::isfinite(value));
+        } catch (const InputError& error) {
+            ++refused;
+            CHECK(std::string(error.what()).find('\n') == std::string::npos);
+        }
+    }
+    CHECK(refused > 90);  // all that are cut off
 }
 
 TEST_CASE("What is wrong far inside a long recording is named as in a short one") {
