@@ -64,12 +64,13 @@ std::vector<Run> findPile(const std::vector<double>& v, double noise, double sig
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
     const double range = *std::max_element(v.begin(), v.end()) - *std::min_element(v.begin(), v.end());
-    if (extreme - sign * *middle < std::max(4 * band * noise, 0.2 * range)) return {};
     // Not finer than the values near the limit are written: in one step of them a sine piles up too.
     double next = -std::numeric_limits<double>::infinity();
     for (const double value : v)
         if (sign * value < extreme) next = std::max(next, sign * value);
     const double width = std::max(band * noise, written_steps * (extreme - next));
+    // All bands on one side of the middle; behind a single high peak they are not, and nothing piles up there.
+    if (extreme - sign * *middle < std::max(4 * width, 0.2 * range)) return {};
     std::array<long, 4> counts{};
     std::vector<Run> pile;
     int excursions = 0;

@@ -2,9 +2,12 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <iostream>
+#include <random>
 
 #include "identify/inspect/inspection.hpp"
+#include "identify/inspect/plateaus.hpp"
 #include "identify/motion/uniform_time.hpp"
 #include "models/recording/recording_checks.hpp"
 #include "tests/inspect/planted_run.hpp"
@@ -63,6 +66,26 @@ TEST_CASE("Planted defects are found, and nothing else") {
     for (const auto& remark : all.remarks) UNSCOPED_INFO(remark);
     CHECK(all.found >= test::kind_count - 1);
     CHECK(all.false_alarms <= 1);
+}
+
+TEST_CASE("Impacts of which one is far higher than the others are no limit") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0, 0.01);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    Channel channel{"mobile.1.ay", "m/s^2", {}, 1};
+    std::vector<double> time;
+    const int highest = 5 + static_cast<int>(20 * uniform(random));
+    for (int impact = 0; impact < 30; ++impact) {
+        const double height = impact == highest ? 500.0 : 100 * uniform(random);
+        const double phase = 6 * uniform(random);
+        for (int k = 0; k < 100; ++k) {
+            time.push_back(1e-3 * static_cast<double>(time.size()));
+            channel.values.push_back(height * std::exp(-0.06 * k) * std::sin(0.9 * k + phase) + noise(random));
+        }
+    }
+    CHECK(findPlateaus(channel, time, 0.01, 1).empty());
 }
 
 TEST_CASE("Rates of detection and of false alarms", "[.rates]") {
