@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "models/error.hpp"
-#include "models/recording/chunk_check.hpp"
 #include "models/recording/hdf5_handle.hpp"
 #include "models/recording/stored_dataset.hpp"
 #include "models/recording/utf8.hpp"
@@ -33,10 +32,8 @@ std::string cutText(const char* bytes, std::size_t size) {
 class TreeReader {
 public:
     TreeReader(const std::string& file, std::size_t most_read) : file_(file), most_read_(most_read) {
-        std::error_code status;
-        const auto size = std::filesystem::file_size(file, status);
-        file_size_ = status ? 0 : static_cast<std::size_t>(size);
-        limit_ = 1e6 + kMostCompressed * static_cast<double>(file_size_);
+        std::error_code ignored;
+        limit_ = 1e6 + kMostCompressed * static_cast<double>(std::filesystem::file_size(file, ignored));
     }
 
     MatFile read() {
@@ -136,8 +133,6 @@ private:
             throw InputError({file_, 0, {}}, "a dataset claims more numbers than the file can hold; it is damaged");
         const bool empty = H5Aexists(dataset, "MATLAB_empty") > 0;
         if (empty || count < 1) return value;
-        if (!hasChunksOfItsSize(dataset, file_size_))
-            throw InputError({file_, 0, {}}, "is damaged: a dataset's pieces are not of the size that it says");
         const auto size = static_cast<std::size_t>(count);
         switch (H5Tget_class(type.get())) {
             case H5T_INTEGER:
@@ -223,7 +218,6 @@ private:
 
     const std::string& file_;
     std::size_t most_read_;
-    std::size_t file_size_ = 0;
     double limit_ = 0;  // bytes that the file can hold
     long objects_ = 0;
 };
