@@ -16,10 +16,15 @@ namespace wems::identify {
 namespace {
 
 constexpr double kPerturbation = 1e-5;
+// Steps for each that the forward model takes for speed. A kink inside a step costs its order, and contact amplifies
+// it: 3.6 % of a sensitive run became 0.06 %, where noise alone makes 0.4 %.
+constexpr int kFiner = 2;
 
 Eigen::MatrixXd simulate(const RunMotion& run, const MountModel& model) {
     const ForwardModel forward(model);
-    const auto drive = Drive::make(run, model, makeGrid(run, model));
+    TimeGrid grid = makeGrid(run, model);
+    grid.steps_per_sample *= kFiner;
+    const auto drive = Drive::make(run, model, grid);
     Eigen::MatrixXd q = forward.simulate(drive).q;
     q.colwise() -= forward.restDisplacement();
     return q;
