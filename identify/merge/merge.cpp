@@ -67,8 +67,9 @@ Recording merge(const std::vector<Recording>& recordings, const MergeOptions& op
         for (const auto& note : notes) result.warnings.push_back(recording.file + ": " + note);
         double shift = 0;
         if (uniform.size() > 1 && !options.common.empty()) {
-            const Alignment found = align(takeSignal(uniform.front(), findCommon(uniform.front(), options.common)),
-                                          takeSignal(uniform.back(), findCommon(uniform.back(), options.common)));
+            const Channel& reference = findCommon(uniform.front(), options.common);
+            const Channel& own = findCommon(uniform.back(), options.common);
+            const Alignment found = align(takeSignal(uniform.front(), reference), takeSignal(uniform.back(), own));
             if (!(std::abs(found.correlation) >= least_correlation))
                 throw InputError({recording.file, 0, options.common},
                                  "does not match that of " + recordings.front().file + " at any shift",
