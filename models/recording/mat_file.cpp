@@ -79,7 +79,8 @@ void readText(const matvar_t& variable, MatValue& value) {
         value.texts.emplace_back(static_cast<const char*>(variable.data), variable.nbytes);
     } else {
         const std::size_t width = variable.data_type == MAT_T_UTF16 || variable.data_type == MAT_T_UINT16 ? 2 : 1;
-        if (width * rows * columns > variable.nbytes) return;
+        // Rows of no length take no bytes: a damaged file can claim any number of them.
+        if (width * rows * columns > variable.nbytes || (columns == 0 && rows > 1)) return;
         const auto* bytes = static_cast<const std::uint8_t*>(variable.data);
         const auto* words = static_cast<const std::uint16_t*>(variable.data);
         for (std::size_t row = 0; row < rows; ++row) {

@@ -19,6 +19,8 @@
 namespace wems {
 namespace {
 
+constexpr const char* kModelExtension = ".toml";  // of what is given in place of a recording by mistake
+
 std::string findExtension(const std::string& file) {
     std::string extension = std::filesystem::path(file).extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -67,7 +69,7 @@ Recording readRecording(const std::string& file, const ColumnMap* map) {
         case Format::csv:
             break;
     }
-    if (extension == ".toml")
+    if (extension == kModelExtension)
         throw InputError({file, 0, {}}, "a TOML file where a recording is expected", kReadableFormats);
     if (const char* beginning = findPromise(extension))
         throw InputError({file, 0, {}}, "the content is not what the name " + extension + " promises", beginning);
@@ -104,7 +106,7 @@ bool isStreamable(const std::string& file) {
             break;
     }
     const bool utf16 = text.substr(0, 2) == "\xFF\xFE" || text.substr(0, 2) == "\xFE\xFF";
-    return !utf16 && findPromise(extension) == nullptr;
+    return !utf16 && extension != kModelExtension && findPromise(extension) == nullptr;
 }
 
 std::unique_ptr<RowSource> openRows(const std::string& file, const ColumnMap* map) {
