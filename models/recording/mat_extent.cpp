@@ -10,7 +10,7 @@
 namespace wems {
 namespace {
 
-constexpr std::uint32_t kMatrix = 14, kCompressed = 15;                             // types of elements
+constexpr std::uint32_t kInt32 = 5, kMatrix = 14, kCompressed = 15;                 // types of elements
 constexpr std::uint32_t kCell = 1, kStructure = 2, kSparse = 5, kLastNumeric = 15;  // classes of arrays
 constexpr std::size_t kHeader = 128, kTag = 8;
 constexpr int kDeepest = 64;
@@ -101,7 +101,7 @@ private:
             const Element length = readTag(std::min(at, end), end);
             const std::uint32_t field = read(length.begin);
             const Element names = readTag(std::min(length.next, end), end);
-            if (field == 0) fail(length.begin);
+            if (length.type != kInt32 || length.size != 4 || field == 0 || names.size % field != 0) fail(length.begin);
             least = kTag * (static_cast<double>(names.size) / field);
             at = names.next;
         }
