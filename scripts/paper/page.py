@@ -1,5 +1,12 @@
 """One page in two forms: Markdown with pictures as files, HTML with everything inside."""
 import html
+import re
+
+
+def to_html(text):
+    """Escaped, with `code` set as such and a value kept on one line with the error in brackets behind it."""
+    text = re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(text))
+    return re.sub(r"(\d) (\([-−+0-9.e]+) %\)", "\\1\N{NO-BREAK SPACE}\\2\N{NO-BREAK SPACE}%)", text)
 
 
 class Page:
@@ -46,12 +53,12 @@ class Page:
                f"<style>{style}</style></head><body><h1>{html.escape(self.title)}</h1>"]
         for part in self.parts:
             if part[0] == "heading":
-                out.append(f"<h{part[1]}>{html.escape(part[2])}</h{part[1]}>")
+                out.append(f"<h{part[1]}>{to_html(part[2])}</h{part[1]}>")
             elif part[0] == "text":
-                out.append(f"<p>{html.escape(part[1])}</p>")
+                out.append(f"<p>{to_html(part[1])}</p>")
             elif part[0] == "table":
-                out.append('<div class="table"><table><tr>' + "".join(f"<th>{html.escape(c)}</th>" for c in part[1]) + "</tr>")
-                out.extend("<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>" for row in part[2])
+                out.append('<div class="table"><table><tr>' + "".join(f"<th>{to_html(c)}</th>" for c in part[1]) + "</tr>")
+                out.extend("<tr>" + "".join(f"<td>{to_html(c)}</td>" for c in row) + "</tr>" for row in part[2])
                 out.append("</table></div>")
             else:
                 out.append(self.pictures[part[1]])
