@@ -10,8 +10,8 @@
 namespace wems {
 namespace {
 
-constexpr std::uint32_t kInt32 = 5, kMatrix = 14, kCompressed = 15;                 // types of elements
-constexpr std::uint32_t kCell = 1, kStructure = 2, kSparse = 5, kLastNumeric = 15;  // classes of arrays
+constexpr std::uint32_t kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15;                // types of elements
+constexpr std::uint32_t kCell = 1, kStructure = 2, kSparse = 5, kLastNumeric = 15, kLast = 17;  // classes of arrays
 constexpr std::size_t kHeader = 128, kTag = 8;
 constexpr int kDeepest = 64;
 
@@ -89,8 +89,11 @@ private:
         const std::size_t end = array.begin + array.size;
         const Element flags = readTag(array.begin, end);
         const std::uint32_t kind = read(flags.begin) & 0xFFU;
+        if (flags.type != kUint32 || flags.size != kTag || kind < kCell || kind > kLast) fail(flags.begin);
         if (kind == kSparse || kind > kLastNumeric) return;  // dimensions of another meaning, objects
         const Element dimensions = readTag(std::min(flags.next, end), end);
+        // Signed by the format; some programs write them unsigned.
+        if (dimensions.type != kInt32 && dimensions.type != kUint32) fail(dimensions.begin);
         double elements = 1;
         for (std::size_t k = 0; k + 4 <= dimensions.size; k += 4) elements *= read(dimensions.begin + k);
         const Element name = readTag(std::min(dimensions.next, end), end);

@@ -78,6 +78,7 @@ TEST_CASE("Damaged files of OpenSim are refused") {
 TEST_CASE("MATLAB files whose sizes cannot be true are refused before memory is taken for them") {
     CHECK_THROWS_WITH(readRecording(folder + "damaged_name_length.mat"), Contains("is damaged or cut off"));
     CHECK_THROWS_WITH(readRecording(folder + "damaged_field_names.mat"), Contains("is damaged or cut off"));
+    CHECK_THROWS_WITH(readRecording(folder + "damaged_flags.mat"), Contains("is damaged or cut off"));
     CHECK_THROWS_AS(readRecording(folder + "damaged_empty_text.mat"), InputError);  // 134 million rows of no length
     const auto refuses = [](const std::string& bytes) {
         const test::TemporaryFile file(bytes);
