@@ -68,6 +68,31 @@ std::string describePlace(const Round& round) {
            formatPercent(std::min(round.place_share, 1.0)) + " of what the mount leaves above the noise";
 }
 
+std::vector<std::vector<std::string>> tabulateCauses(const Diagnosis& diagnosis) {
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& cause : diagnosis.causes) {
+        bool first = true;
+        for (const auto& p : cause.parameters) {
+            const bool removed = !std::isfinite(p.value);
+            rows.push_back({first ? cause.cause : "", first ? formatNumber(cause.probability, 3) : "",
+                            first ? formatNumber(cause.gain_db, 3) : "", p.name,
+                            removed ? "no stop" : formatNumber(p.value),
+                            removed ? "" : formatNumber(p.lower) + " … " + formatNumber(p.upper), p.unit});
+            first = false;
+        }
+    }
+    return rows;
+}
+
+std::vector<std::vector<std::string>> tabulateErrors(const Diagnosis& diagnosis) {
+    const auto row = [&](const std::string& name, double GroupError::*group) {
+        return std::vector<std::string>{name, formatPercent(diagnosis.error_before.*group),
+                                        formatPercent(diagnosis.error_after.*group),
+                                        formatPercent(diagnosis.noise_floor.*group)};
+    };
+    return {row("identification", &GroupError::identification), row("validation", &GroupError::validation)};
+}
+
 std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
     std::string text;
     for (const auto& note : diagnosis.notes) text += "Motion: " + note + "\n";
@@ -88,17 +113,7 @@ std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
         if (!table.empty()) text += table.format(style);
     }
     Table parameters({"cause", "probability", "gain dB", "parameter", "value", "95 % interval", "unit"});
-    for (const auto& cause : diagnosis.causes) {
-        bool first = true;
-        for (const auto& p : cause.parameters) {
-            const bool removed = !std::isfinite(p.value);
-            parameters.addRow({first ? cause.cause : "", first ? formatNumber(cause.probability, 3) : "",
-                               first ? formatNumber(cause.gain_db, 3) : "", p.name,
-                               removed ? "no stop" : formatNumber(p.value),
-                               removed ? "" : formatNumber(p.lower) + " … " + formatNumber(p.upper), p.unit});
-            first = false;
-        }
-    }
+    for (const auto& row : tabulateCauses(diagnosis)) parameters.addRow(row);
     if (!parameters.empty()) text += "\n" + parameters.format(style);
     for (const auto& cause : diagnosis.causes)
         for (const auto& rival : cause.rivals) {
@@ -108,11 +123,7 @@ std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
             text += " ); to separate: " + rival.separate_by + "\n";
         }
     Table errors({"free simulation", "before", "after", "noise alone"});
-    const auto &before = diagnosis.error_before, &after = diagnosis.error_after, &floor = diagnosis.noise_floor;
-    errors.addRow({"identification", formatPercent(before.identification), formatPercent(after.identification),
-                   formatPercent(floor.identification)});
-    errors.addRow({"validation", formatPercent(before.validation), formatPercent(after.validation),
-                   formatPercent(floor.validation)});
+    for (const auto& row : tabulateErrors(diagnosis)) errors.addRow(row);
     text += "\n" + errors.format(style);
     const bool unexplained = diagnosis.verdict == Diagnosis::Verdict::unexplained;
     text +=

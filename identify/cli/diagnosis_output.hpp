@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "identify/diagnose/diagnosis.hpp"
 #include "models/terminal.hpp"
@@ -13,6 +14,11 @@ namespace wems::identify::cli {
 nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis);
 /// At which axis alone a force could make most of what the mount leaves, if it leaves more than noise.
 std::string describePlace(const Round& round);
+/// A row for each parameter of each cause: cause, probability and gain in its first row, then name, value, 95 %
+/// interval and unit.
+std::vector<std::vector<std::string>> tabulateCauses(const Diagnosis& diagnosis);
+/// Errors of the free simulation of the identification and the validation recordings: before, after, noise alone.
+std::vector<std::vector<std::string>> tabulateErrors(const Diagnosis& diagnosis);
 std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style);
 
 }  // namespace wems::identify::cli

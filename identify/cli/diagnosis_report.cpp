@@ -1,7 +1,6 @@
 #include "identify/cli/diagnosis_report.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "identify/cli/command.hpp"
@@ -34,13 +33,7 @@ std::string describeErrors(const Diagnosis& diagnosis) {
 
 void addErrors(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addHeading("Free simulation against the recordings");
-    const auto row = [&](const std::string& name, double GroupError::*group) {
-        return std::vector<std::string>{name, formatPercent(diagnosis.error_before.*group),
-                                        formatPercent(diagnosis.error_after.*group),
-                                        formatPercent(diagnosis.noise_floor.*group)};
-    };
-    page.addTable({"recordings", "error before", "error after", "noise alone"},
-                  {row("identification", &GroupError::identification), row("validation", &GroupError::validation)});
+    page.addTable({"recordings", "error before", "error after", "noise alone"}, tabulateErrors(diagnosis));
     page.addText("Equations of motion along the measured motion of the validation recordings: misfit " +
                  formatNumber(diagnosis.misfit_before, 4) + " before, " + formatNumber(diagnosis.misfit_after, 4) +
                  " after; noise alone leaves 1.");
@@ -56,19 +49,8 @@ void addCauses(const Diagnosis& diagnosis, HtmlReport& page) {
         page.addText("None.");
         return;
     }
-    std::vector<std::vector<std::string>> rows;
-    for (const auto& cause : diagnosis.causes) {
-        bool first = true;
-        for (const auto& p : cause.parameters) {
-            const bool removed = !std::isfinite(p.value);
-            rows.push_back({first ? cause.cause : "", first ? formatNumber(cause.probability, 3) : "",
-                            first ? formatNumber(cause.gain_db, 3) : "", p.name,
-                            removed ? "no stop" : formatNumber(p.value),
-                            removed ? "" : formatNumber(p.lower) + " … " + formatNumber(p.upper), p.unit});
-            first = false;
-        }
-    }
-    page.addTable({"cause", "probability", "gain [dB]", "parameter", "value", "95 % interval", "unit"}, rows);
+    page.addTable({"cause", "probability", "gain [dB]", "parameter", "value", "95 % interval", "unit"},
+                  tabulateCauses(diagnosis));
     page.addText(
         "Values are the new ones, not the change. A cause is named from a probability of 0.5 on; its gain is what the "
         "error grows by without it, all others fitted again.");

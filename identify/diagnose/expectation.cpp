@@ -16,7 +16,7 @@ Expectation calcExpectation(const std::vector<RunMotion>& runs, const MountModel
         for (const auto& run : runs) recordings.push_back(simulateRecording(run, model, {1, kGainScatter}));
         const RunGroup group(recordings, base);
         const OpenLoopProblem problem = group.makeProblem(model);
-        return {calcFreeError(group.free_runs, model).error, problem.calcMisfit(problem.calcResidual(model))};
+        return {calcFreeError(group.free_runs, model).error, problem.calcMisfit(model)};
     } catch (const SimulationDiverged&) {
         return {kInfinite, kInfinite};
     }

@@ -71,6 +71,7 @@ public:
     double product(const WhiteVector& a, const WhiteVector& b, double variance) const;
     /// <y, y> with its own λ, for each value: about 1 for a perfect model.
     double calcMisfit(const WhiteVector& residual) const;
+    double calcMisfit(const MountModel& model) const { return calcMisfit(calcResidual(model)); }
     /// A residual without the calibration errors that it makes likely; together they stay within the scatter.
     Eigen::VectorXf removeCalibration(const WhiteVector& residual) const;
 

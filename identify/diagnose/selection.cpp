@@ -2,13 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <set>
 
 #include "identify/diagnose/leftover.hpp"
-#include "identify/diagnose/missing_mode.hpp"
-#include "identify/diagnose/screening.hpp"
-#include "identify/motion/parallel.hpp"
 
 namespace wems::identify {
 namespace {
@@ -18,12 +14,6 @@ constexpr double kTieFraction = 0.02;
 /// … nor within this share of the least gain of the misfit per value.
 constexpr double kTieGain = 0.25;
 
-/// Where a force along one axis could make this share of the mount's residual, laws elsewhere are not tried …
-constexpr double kAloneInEquation = 0.95;
-/// … but for axes that could make nearly as much. The residual must stand out from the noise for that, per value.
-constexpr double kNearlyAsMuch = 0.04;
-constexpr double kStandsOut = 0.5;
-
 /// Share of a stop's stiffness below which there is no stop.
 constexpr double kNoStop = 0.02;
 
@@ -31,20 +21,6 @@ constexpr double kNoStop = 0.02;
 /// misfit relative.
 constexpr int kFollowPasses = 4;
 constexpr double kNearDeviations = 0.3, kSettled = 1e-3;
-
-/// `1.x` of `1.x` and `1.x.+`; empty for `body`, `mobile`, …
-std::string axisOf(const std::string& place) {
-    const auto dot = place.find('.');
-    return dot == std::string::npos ? "" : place.substr(0, dot + 2);
-}
-
-bool overlaps(const Candidate& a, const std::vector<Candidate>& others) {
-    const auto names = a.parameterNames();
-    for (const auto& other : others)
-        for (const auto& name : other.parameterNames())
-            if (std::find(names.begin(), names.end(), name) != names.end()) return true;
-    return false;
-}
 
 std::size_t countCauses(const std::vector<Candidate>& candidates) {
     std::set<std::string> names;
@@ -56,15 +32,15 @@ class Selector {
 public:
     Selector(OpenLoopProblem& identification, OpenLoopProblem& validation, const MountModel& model,
              const SelectionOptions& options)
-        : identification_(identification), validation_(validation), base_(model), options_(options) {
-        with_bracket_ = false;
-        for (std::size_t r = 0; r < identification.runs().size(); ++r)
-            with_bracket_ = with_bracket_ || identification.hasBracket(r);
-    }
+        : identification_(identification),
+          validation_(validation),
+          base_(model),
+          options_(options),
+          trials_(identification, validation, {options.least_gain, options.only_place}) {}
 
     Selection run() {
         setReference(base_);
-        laws_ = std::make_unique<LawDifferences>(identification_, base_);
+        trials_.lookAround(base_);
         result_.fit = fitParameters(identification_, base_, {});
         forward();
         if (result_.accepted.size() > 1) exchange();
@@ -72,103 +48,21 @@ public:
         split();
         estimateErrors();
         judge();
-        result_.identification_before = identification_.calcMisfit(identification_.calcResidual(base_));
-        result_.validation_before = validate(base_);
+        result_.identification_before = identification_.calcMisfit(base_);
+        result_.validation_before = validation_.calcMisfit(base_);
         result_.identification_after = result_.fit.misfit;
-        result_.validation_after = validate(result_.fit.model);
+        result_.validation_after = validation_.calcMisfit(result_.fit.model);
         return std::move(result_);
     }
 
 private:
-    double validate(const MountModel& model) const { return validation_.calcMisfit(validation_.calcResidual(model)); }
     void tell(const std::string& text) const {
         if (options_.progress) options_.progress(text);
     }
-    double price(double misfit_per_value) const {
-        return 0.5 * std::log(static_cast<double>(identification_.size())) * std::max(1.0, misfit_per_value);
-    }
-    double score(const Trial& trial) const {
-        const double best = std::max(1.0, trial.identification);
-        return trial.identification * static_cast<double>(identification_.size()) +
-               2 * price(best) * static_cast<double>(trial.candidate.knobs.size());
-    }
-
     /// Of the validation runs, that a candidate is taken.
     double calcNeededGain(double validation_misfit) const {
         if (options_.judged_elsewhere) return -kTieGain * options_.least_gain;
         return std::max(options_.least_gain, options_.least_fraction * std::max(0.0, validation_misfit - 1));
-    }
-
-    /// The catalogue of a model, without laws at places that its residual excludes.
-    std::vector<Candidate> makePossible(const ParameterFit& present) const {
-        auto catalogue = makeCatalogue(present.model, with_bracket_);
-        for (auto& candidate : makeMissingMode(identification_, present.model, present.residual))
-            catalogue.push_back(std::move(candidate));
-        const auto keepPossible = [&](const std::function<bool(const std::string&)>& isPossible) {
-            catalogue.erase(std::remove_if(catalogue.begin(), catalogue.end(),
-                                           [&](const Candidate& candidate) {
-                                               return !std::all_of(candidate.where.begin(), candidate.where.end(),
-                                                                   isPossible);
-                                           }),
-                            catalogue.end());
-        };
-        if (!options_.only_place.empty()) {
-            keepPossible([&](const std::string& place) { return axisOf(place) == options_.only_place; });
-            return catalogue;
-        }
-        if (calcMountExcess(identification_, present.residual) < kStandsOut) return catalogue;
-        const auto shares = calcPlaceShares(identification_, present.model, present.residual);
-        if (shares.front().share < kAloneInEquation) return catalogue;
-        keepPossible([&](const std::string& place) {
-            const std::string axis = axisOf(place);
-            return axis.empty() || std::any_of(shares.begin(), shares.end(), [&](const PlaceShare& share) {
-                       return share.name == axis && share.share > shares.front().share - kNearlyAsMuch;
-                   });
-        });
-        return catalogue;
-    }
-
-    /// Screens the catalogue of `model` and fits the best jointly with `accepted`.
-    std::vector<Trial> tryCandidates(const ParameterFit& present, const std::vector<Candidate>& accepted, int count) {
-        const auto catalogue = makePossible(present);
-        const double now = present.misfit;
-        const auto screened =
-            screenCandidates(identification_, *laws_, present.model, present.residual, catalogue, price(now));
-        const double least = 0.25 * options_.least_gain * static_cast<double>(identification_.size());
-        std::vector<const Screened*> chosen;
-        for (const auto& entry : screened) {
-            if (static_cast<int>(chosen.size()) >= count || entry.gain < least) break;
-            if (!overlaps(catalogue[entry.candidate], accepted)) chosen.push_back(&entry);
-        }
-        std::vector<Trial> trials(chosen.size());
-        std::vector<ParameterFit> new_fits(chosen.size());
-        runParallel(chosen.size(), [&](std::size_t i) {
-            const auto& candidate = catalogue[chosen[i]->candidate];
-            MountModel start = present.model;
-            candidate.apply(start, chosen[i]->values);
-            auto all = accepted;
-            all.push_back(candidate);
-            new_fits[i] = fitParameters(identification_, start, collectKnobs(all), 6);
-            auto& trial = trials[i];
-            trial.candidate = candidate;
-            for (const auto& knob : candidate.knobs) trial.values.push_back(knob.get(new_fits[i].model));
-            trial.identification = new_fits[i].misfit;
-            trial.validation = validate(new_fits[i].model);
-        });
-        for (auto& fit : new_fits) fits_.push_back(std::move(fit));
-        std::vector<std::size_t> order(trials.size());
-        for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-        std::sort(order.begin(), order.end(),
-                  [&](std::size_t a, std::size_t b) { return score(trials[a]) < score(trials[b]); });
-        std::vector<Trial> sorted;
-        std::vector<ParameterFit> fits;
-        const auto first = fits_.size() - trials.size();
-        for (const auto i : order) {
-            sorted.push_back(trials[i]);
-            fits.push_back(std::move(fits_[first + i]));
-        }
-        fits_ = std::move(fits);
-        return sorted;
     }
 
     void setReference(const MountModel& model) {
@@ -195,7 +89,7 @@ private:
             const MountModel present = result_.fit.model;
             identification_.rewhiten(present);
             validation_.rewhiten(present);
-            laws_ = std::make_unique<LawDifferences>(identification_, present);
+            trials_.lookAround(present);
             result_.fit = fitParameters(identification_, present, knobs);
             setReference(result_.fit.model);
             if (isNear(present, knobs) && std::abs(before - result_.fit.misfit) < kSettled * result_.fit.misfit) break;
@@ -218,13 +112,13 @@ private:
         for (int number = 0; number < options_.max_rounds; ++number) {
             Round round;
             round.identification_before = result_.fit.misfit;
-            round.validation_before = validate(result_.fit.model);
+            round.validation_before = validation_.calcMisfit(result_.fit.model);
             tell("round " + std::to_string(number + 1) + ": screening");
             const auto place = calcPlaceShares(identification_, result_.fit.model, result_.fit.residual).front();
             round.place = place.name;
             round.place_share = place.share;
-            fits_.clear();
-            round.trials = tryCandidates(result_.fit, result_.accepted, options_.trials);
+            const auto fitted = trials_.fitBest(result_.fit, result_.accepted, options_.trials);
+            for (const auto& entry : fitted) round.trials.push_back(entry.trial);
             const double needed = calcNeededGain(round.validation_before);
             for (std::size_t i = 0; i < round.trials.size() && round.taken < 0; ++i) {
                 const auto& trial = round.trials[i];
@@ -247,9 +141,8 @@ private:
             tell("taken: " + round.trials[taken].candidate.describe());
             auto accepted = result_.accepted;
             accepted.push_back(round.trials[taken].candidate);
-            adopt(accepted, fits_[taken].model);
+            adopt(accepted, fitted[taken].fit.model);
         }
-        fits_.clear();
     }
 
     bool isTie(double a, double b) const {
@@ -275,18 +168,17 @@ private:
             const auto present = refit(others);
             tell("exchange of " + result_.accepted[i].describe());
             setReference(present.model);
-            fits_.clear();
-            const auto trials = tryCandidates(present, others, 4);
+            const auto fitted = trials_.fitBest(present, others, 4);
             setReference(result_.fit.model);
-            if (trials.empty()) continue;
+            if (fitted.empty()) continue;
+            const auto& [best, fit] = fitted.front();
             const double now = result_.fit.misfit;
-            if (trials.front().identification < now - options_.least_gain &&
-                !isTie(trials.front().identification, now) && trials.front().validation < validate(result_.fit.model)) {
-                others.push_back(trials.front().candidate);
-                adopt(others, fits_.front().model);
+            if (best.identification < now - options_.least_gain && !isTie(best.identification, now) &&
+                best.validation < validation_.calcMisfit(result_.fit.model)) {
+                others.push_back(best.candidate);
+                adopt(others, fit.model);
             }
         }
-        fits_.clear();
     }
 
     /// What the others make superfluous goes.
@@ -295,9 +187,9 @@ private:
             auto others = result_.accepted;
             others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
             const auto fit = refit(others);
-            const double validation = validate(result_.fit.model);
+            const double validation = validation_.calcMisfit(result_.fit.model);
             if (fit.misfit - result_.fit.misfit < options_.least_gain ||
-                validate(fit.model) - validation < calcNeededGain(validation)) {
+                validation_.calcMisfit(fit.model) - validation < calcNeededGain(validation)) {
                 adopt(others, fit.model);
             }
         }
@@ -318,8 +210,9 @@ private:
             const auto fit = fitParameters(identification_, result_.fit.model, collectKnobs(all));
             const double gain = result_.fit.misfit - fit.misfit;
             const double now = fit.misfit;
-            if (gain * static_cast<double>(identification_.size()) > 4 * price(now) * extra &&
-                gain > options_.least_gain && validate(fit.model) < validate(result_.fit.model)) {
+            if (gain * static_cast<double>(identification_.size()) > 4 * trials_.price(now) * extra &&
+                gain > options_.least_gain &&
+                validation_.calcMisfit(fit.model) < validation_.calcMisfit(result_.fit.model)) {
                 result_.accepted = all;
                 result_.fit = fit;
                 setReference(fit.model);
@@ -359,38 +252,27 @@ private:
             auto others = result_.accepted;
             others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
             const auto present = refit(others);
-            result_.without.push_back(validate(present.model));
+            result_.without.push_back(validation_.calcMisfit(present.model));
             result_.models_without.push_back(present.model);
             tell("rivals of " + result_.accepted[i].describe());
             setReference(present.model);
-            fits_.clear();
-            const auto trials = tryCandidates(present, others, 8);
+            const auto fitted = trials_.fitBest(present, others, options_.trials);
             setReference(result_.fit.model);
             std::vector<Trial> rivals;
-            for (const auto& trial : trials) {
+            for (const auto& [trial, fit] : fitted)
                 if (!isSame(trial, result_.accepted[i]) && isTie(trial.identification, now)) rivals.push_back(trial);
-            }
             result_.rivals.push_back(rivals);
         }
-        fits_.clear();
     }
 
     OpenLoopProblem &identification_, &validation_;
     MountModel base_;
     SelectionOptions options_;
-    std::unique_ptr<LawDifferences> laws_;
-    bool with_bracket_ = false;
+    TrialFits trials_;
     Selection result_;
-    std::vector<ParameterFit> fits_;
 };
 
 }  // namespace
-
-std::vector<Knob> collectKnobs(const std::vector<Candidate>& candidates) {
-    std::vector<Knob> knobs;
-    for (const auto& candidate : candidates) knobs.insert(knobs.end(), candidate.knobs.begin(), candidate.knobs.end());
-    return knobs;
-}
 
 Selection selectCauses(OpenLoopProblem& identification, OpenLoopProblem& validation, const MountModel& model,
                        const SelectionOptions& options) {

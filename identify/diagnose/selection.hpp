@@ -9,16 +9,9 @@
 #include "identify/diagnose/catalogue.hpp"
 #include "identify/diagnose/open_loop_problem.hpp"
 #include "identify/diagnose/parameter_fit.hpp"
+#include "identify/diagnose/trial_fits.hpp"
 
 namespace wems::identify {
-
-/// A candidate fitted jointly with all that had been accepted. Misfits are per value: 1 for a perfect model.
-struct Trial {
-    Candidate candidate;
-    std::vector<double> values;  ///< of its knobs
-    double identification = 0;
-    double validation = 0;
-};
 
 /// One round: the misfits before, the best candidates in order, which was taken (index, -1 for none) and why.
 struct Round {
@@ -58,8 +51,5 @@ struct SelectionOptions {
 /// @param validation the runs that judge; may be the identification runs themselves if there are no others
 Selection selectCauses(OpenLoopProblem& identification, OpenLoopProblem& validation, const MountModel& model,
                        const SelectionOptions& options);
-
-/// All knobs of some candidates in a row.
-std::vector<Knob> collectKnobs(const std::vector<Candidate>& candidates);
 
 }  // namespace wems::identify

@@ -25,7 +25,7 @@ std::pair<Left, Expectation> compare(const MountModel& truth, const MountModel& 
     plan.force = level * Eigen::Vector3d(20, 40, 250);
     const RunGroup group({recordRun(truth, plan, random)}, model);
     const OpenLoopProblem problem = group.makeProblem(model);
-    return {{calcFreeError(group.free_runs, model).error, problem.calcMisfit(problem.calcResidual(model))},
+    return {{calcFreeError(group.free_runs, model).error, problem.calcMisfit(model)},
             calcExpectation(group.motions, model, model)};
 }
 

@@ -1,0 +1,121 @@
+#include "identify/diagnose/trial_fits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "identify/diagnose/leftover.hpp"
+#include "identify/diagnose/missing_mode.hpp"
+#include "identify/diagnose/screening.hpp"
+#include "identify/motion/parallel.hpp"
+
+namespace wems::identify {
+namespace {
+
+/// Where a force along one axis could make this share of the mount's residual, laws elsewhere are not tried …
+constexpr double kAloneInEquation = 0.95;
+/// … but for axes that could make nearly as much. The residual must stand out from the noise for that, per value.
+constexpr double kNearlyAsMuch = 0.04;
+constexpr double kStandsOut = 0.5;
+
+constexpr double kPromising = 0.25;  // of the least gain
+constexpr int kIterations = 6;
+
+/// `1.x` of `1.x` and `1.x.+`; empty for `body`, `mobile`, …
+std::string axisOf(const std::string& place) {
+    const auto dot = place.find('.');
+    return dot == std::string::npos ? "" : place.substr(0, dot + 2);
+}
+
+bool overlaps(const Candidate& a, const std::vector<Candidate>& others) {
+    const auto names = a.parameterNames();
+    for (const auto& other : others)
+        for (const auto& name : other.parameterNames())
+            if (std::find(names.begin(), names.end(), name) != names.end()) return true;
+    return false;
+}
+
+}  // namespace
+
+TrialFits::TrialFits(const OpenLoopProblem& identification, const OpenLoopProblem& validation, TrialOptions options)
+    : identification_(identification), validation_(validation), options_(std::move(options)) {
+    for (std::size_t r = 0; r < identification.runs().size(); ++r)
+        with_bracket_ = with_bracket_ || identification.hasBracket(r);
+}
+
+void TrialFits::lookAround(const MountModel& model) {
+    laws_ = std::make_unique<LawDifferences>(identification_, model);
+}
+
+double TrialFits::price(double misfit) const {
+    return 0.5 * std::log(static_cast<double>(identification_.size())) * std::max(1.0, misfit);
+}
+
+double TrialFits::score(const Trial& trial) const {
+    return trial.identification * static_cast<double>(identification_.size()) +
+           2 * price(trial.identification) * static_cast<double>(trial.candidate.knobs.size());
+}
+
+std::vector<Candidate> TrialFits::makePossible(const ParameterFit& present) const {
+    auto catalogue = makeCatalogue(present.model, with_bracket_);
+    for (auto& candidate : makeMissingMode(identification_, present.model, present.residual))
+        catalogue.push_back(std::move(candidate));
+    const auto keepPossible = [&](const std::function<bool(const std::string&)>& isPossible) {
+        const auto excluded = [&](const Candidate& candidate) {
+            return !std::all_of(candidate.where.begin(), candidate.where.end(), isPossible);
+        };
+        catalogue.erase(std::remove_if(catalogue.begin(), catalogue.end(), excluded), catalogue.end());
+    };
+    if (!options_.only_place.empty()) {
+        keepPossible([&](const std::string& place) { return axisOf(place) == options_.only_place; });
+        return catalogue;
+    }
+    if (calcMountExcess(identification_, present.residual) < kStandsOut) return catalogue;
+    const auto shares = calcPlaceShares(identification_, present.model, present.residual);
+    if (shares.front().share < kAloneInEquation) return catalogue;
+    keepPossible([&](const std::string& place) {
+        const std::string axis = axisOf(place);
+        return axis.empty() || std::any_of(shares.begin(), shares.end(), [&](const PlaceShare& share) {
+                   return share.name == axis && share.share > shares.front().share - kNearlyAsMuch;
+               });
+    });
+    return catalogue;
+}
+
+std::vector<FittedTrial> TrialFits::fitBest(const ParameterFit& present, const std::vector<Candidate>& accepted,
+                                            int count) {
+    const auto catalogue = makePossible(present);
+    const auto screened =
+        screenCandidates(identification_, *laws_, present.model, present.residual, catalogue, price(present.misfit));
+    const double least = kPromising * options_.least_gain * static_cast<double>(identification_.size());
+    std::vector<const Screened*> chosen;
+    for (const auto& entry : screened) {
+        if (static_cast<int>(chosen.size()) >= count || entry.gain < least) break;
+        if (!overlaps(catalogue[entry.candidate], accepted)) chosen.push_back(&entry);
+    }
+    std::vector<FittedTrial> fitted(chosen.size());
+    runParallel(chosen.size(), [&](std::size_t i) {
+        auto& [trial, fit] = fitted[i];
+        trial.candidate = catalogue[chosen[i]->candidate];
+        MountModel start = present.model;
+        trial.candidate.apply(start, chosen[i]->values);
+        auto all = accepted;
+        all.push_back(trial.candidate);
+        fit = fitParameters(identification_, start, collectKnobs(all), kIterations);
+        for (const auto& knob : trial.candidate.knobs) trial.values.push_back(knob.get(fit.model));
+        trial.identification = fit.misfit;
+        trial.validation = validation_.calcMisfit(fit.model);
+    });
+    std::sort(fitted.begin(), fitted.end(),
+              [&](const FittedTrial& a, const FittedTrial& b) { return score(a.trial) < score(b.trial); });
+    return fitted;
+}
+
+std::vector<Knob> collectKnobs(const std::vector<Candidate>& candidates) {
+    std::vector<Knob> knobs;
+    for (const auto& candidate : candidates) knobs.insert(knobs.end(), candidate.knobs.begin(), candidate.knobs.end());
+    return knobs;
+}
+
+}  // namespace wems::identify

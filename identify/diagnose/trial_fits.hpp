@@ -1,0 +1,62 @@
+/// @file
+/// The candidates that promise most, each fitted together with what was accepted before.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "identify/diagnose/catalogue.hpp"
+#include "identify/diagnose/law_differences.hpp"
+#include "identify/diagnose/open_loop_problem.hpp"
+#include "identify/diagnose/parameter_fit.hpp"
+
+namespace wems::identify {
+
+/// A candidate fitted jointly with all that had been accepted. Misfits are per value: 1 for a perfect model.
+struct Trial {
+    Candidate candidate;
+    std::vector<double> values;  ///< of its knobs
+    double identification = 0;
+    double validation = 0;
+};
+
+struct FittedTrial {
+    Trial trial;
+    ParameterFit fit;  ///< of the identification runs, the accepted ones included
+};
+
+struct TrialOptions {
+    double least_gain = 0;   ///< of the misfit per value; what promises less than a quarter of it is not fitted
+    std::string only_place;  ///< axis (`1.x`) at which alone causes are tried; empty: everywhere
+};
+
+class TrialFits {
+public:
+    /// @param identification, validation must outlive this
+    TrialFits(const OpenLoopProblem& identification, const OpenLoopProblem& validation, TrialOptions options);
+
+    /// Around which model the first look takes the forces from now on; to be called before the first fitBest().
+    void lookAround(const MountModel& model);
+
+    /// Screens the catalogue of the present model, without laws at places that its residual excludes, and fits the
+    /// `count` most promising candidates jointly with `accepted`; best first, parameters priced. Uses two threads.
+    std::vector<FittedTrial> fitBest(const ParameterFit& present, const std::vector<Candidate>& accepted, int count);
+
+    /// What a parameter costs, as half of a sum of squares, where a misfit is left: ½ ln(size), of the noise that is.
+    double price(double misfit) const;
+
+private:
+    std::vector<Candidate> makePossible(const ParameterFit& present) const;
+    double score(const Trial& trial) const;
+
+    const OpenLoopProblem &identification_, &validation_;
+    TrialOptions options_;
+    bool with_bracket_ = false;
+    std::unique_ptr<LawDifferences> laws_;
+};
+
+/// All knobs of some candidates in a row.
+std::vector<Knob> collectKnobs(const std::vector<Candidate>& candidates);
+
+}  // namespace wems::identify
