@@ -48,6 +48,16 @@ std::vector<BracketMode> makeBracketModes() {
     return {axial, lateral, tilt};
 }
 
+MountModel makeOscillator() {
+    MountModel model;
+    model.body.mass = 2;
+    model.body.inertia = Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal();
+    model.connections.resize(1);
+    model.connections[0].name = "1";
+    model.connections[0].axis[2].stiffness = 2e4;
+    return model;
+}
+
 MountModel makeFreeBody() {
     MountModel model = makeCross();
     for (Connection& connection : model.connections) connection.axis = {};

@@ -13,6 +13,8 @@ namespace wems::test {
 MountModel makeCross();
 /// Three modes with coupled translations and rotations.
 std::vector<BracketMode> makeBracketModes();
+/// 2 kg on one connection through its centre of gravity: 2e4 N/m along z, nothing along x and y.
+MountModel makeOscillator();
 /// A body without any force on it.
 MountModel makeFreeBody();
 

@@ -11,25 +11,10 @@
 using namespace wems;
 using namespace wems::identify;
 
-namespace {
-
-/// One body on one connection through its CoG, stiff in x and y, soft and damped in z.
-MountModel makeOscillator() {
-    MountModel model;
-    model.body.mass = 2;
-    model.body.inertia = Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal();
-    Connection connection;
-    connection.name = "1";
-    connection.axis[2].stiffness = 2e4;
-    connection.axis[2].damping = 8;
-    model.connections = {connection};
-    return model;
-}
-
-}  // namespace
-
 TEST_CASE("a damped oscillator follows its closed-form decay") {
-    const ForwardModel forward(makeOscillator());
+    MountModel model = test::makeOscillator();
+    model.connections[0].axis[2].damping = 8;
+    const ForwardModel forward(model);
     const TimeGrid grid = test::makeGrid(1e-3, 1001, 4);
     ForwardState initial = forward.restState();
     initial.mobile.p_GM.z() = 1e-3;
@@ -47,9 +32,7 @@ TEST_CASE("a damped oscillator follows its closed-form decay") {
 }
 
 TEST_CASE("under a base acceleration the body lags behind as an oscillator under the opposite inertia force") {
-    MountModel model = makeOscillator();
-    model.connections[0].axis[2].damping = 0;
-    const ForwardModel forward(model);
+    const ForwardModel forward(test::makeOscillator());
     const TimeGrid grid = test::makeGrid(1e-3, 501, 4);
     Eigen::Matrix3Xd base = Eigen::Matrix3Xd::Zero(3, grid.samples);
     base.row(2).setConstant(1.5);

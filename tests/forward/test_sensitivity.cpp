@@ -11,17 +11,7 @@ using namespace wems::identify;
 
 namespace {
 
-/// 2 kg on 2e4 N/m along z: q = −a/ω² (1 − cos ω t) under a constant base acceleration a, ω² = k/m.
-MountModel makeOscillator() {
-    MountModel model;
-    model.body.mass = 2;
-    model.body.inertia = Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal();
-    model.connections.resize(1);
-    model.connections[0].name = "1";
-    model.connections[0].axis[2].stiffness = 2e4;
-    return model;
-}
-
+/// q = −a/ω² (1 − cos ω t) of the oscillator under this constant base acceleration a = 1 m/s², ω² = k/m.
 Drive makeStepDrive(int samples) {
     const TimeGrid grid = test::makeGrid(1e-3, samples, 8);
     Eigen::Matrix3Xd base = Eigen::Matrix3Xd::Zero(3, samples);
@@ -32,7 +22,7 @@ Drive makeStepDrive(int samples) {
 }  // namespace
 
 TEST_CASE("the Jacobian is the derivative of the closed form") {
-    const MountModel model = makeOscillator();
+    const MountModel model = test::makeOscillator();
     const Drive drive = makeStepDrive(301);
     const Eigen::MatrixXd J = calcJacobian(model, drive, makeWholeRun(drive), {"1.z.stiffness", "body.mass"});
     REQUIRE(J.rows() == 3 * 301);
@@ -48,7 +38,7 @@ TEST_CASE("the Jacobian is the derivative of the closed form") {
 }
 
 TEST_CASE("a window's Jacobian leaves its initial state alone") {
-    const MountModel model = makeOscillator();
+    const MountModel model = test::makeOscillator();
     const Drive drive = makeStepDrive(301);
     ShootingWindow window{100, 2, ForwardModel(model).restState()};
     window.initial->mobile.p_GM.z() = 1e-3;
@@ -58,7 +48,7 @@ TEST_CASE("a window's Jacobian leaves its initial state alone") {
 }
 
 TEST_CASE("amplification grows with the stretch of phase that a parameter shifts, and explodes with deep contact") {
-    MountModel model = makeOscillator();
+    MountModel model = test::makeOscillator();
     const double brief = calcAmplification(model, makeStepDrive(51));
     const double long_run = calcAmplification(model, makeStepDrive(2001));
     CHECK(brief < 5);

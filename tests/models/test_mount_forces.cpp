@@ -29,6 +29,23 @@ Situation makeSituation(RandomValues& random) {
     return s;
 }
 
+struct Wrenches {
+    Wrench on_mobile, on_fixed;
+};
+
+/// And the rates of the inner states, in `s.zdot`.
+Wrenches calcWrenches(const MountForces& forces, Situation& s) {
+    Wrenches w;
+    forces.calc(s.mobile, s.fixed, s.t, s.z.data(), w.on_mobile, w.on_fixed, s.zdot.data());
+    return w;
+}
+
+/// What the mount gives to both parts, W.
+double calcPower(const Wrench& on_mobile, const Wrench& on_fixed, const Situation& s) {
+    return on_mobile.force.dot(s.mobile.v_GM) + on_mobile.moment.dot(s.mobile.w_GM) + on_fixed.force.dot(s.fixed.v_GF) +
+           on_fixed.moment.dot(s.fixed.w_GF);
+}
+
 /// The frames after a step h along their velocities.
 BodyMotion advance(const BodyMotion& m, double h) {
     return {rotationFromVector(h * m.w_GM) * m.R_GM, m.p_GM + h * m.v_GM, m.w_GM, m.v_GM};
@@ -64,16 +81,14 @@ TEST_CASE("mount forces: total force and moment vanish, power is minus the sum o
     RandomValues random(seed);
     Situation s = makeSituation(random);
     const MountForces forces(s.model);
-    Wrench on_mobile, on_fixed;
-    forces.calc(s.mobile, s.fixed, s.t, s.z.data(), on_mobile, on_fixed, s.zdot.data());
+    const auto [on_mobile, on_fixed] = calcWrenches(forces, s);
     const double size = 1 + on_mobile.force.norm();
     CHECK((on_mobile.force + on_fixed.force).norm() < 1e-12 * size);
     const Vector3d about_origin =
         on_mobile.moment + s.mobile.p_GM.cross(on_mobile.force) + on_fixed.moment + s.fixed.p_GF.cross(on_fixed.force);
     CHECK(about_origin.norm() < 1e-12 * size);
 
-    const double power = on_mobile.force.dot(s.mobile.v_GM) + on_mobile.moment.dot(s.mobile.w_GM) +
-                         on_fixed.force.dot(s.fixed.v_GF) + on_fixed.moment.dot(s.fixed.w_GF);
+    const double power = calcPower(on_mobile, on_fixed, s);
     const Eigen::Matrix3Xd f = forces.calcConnectionForces(s.mobile, s.fixed, s.t, s.z.data());
     double sum = 0;
     for (int i = 0; i < forces.connectionCount(); ++i) {
@@ -89,10 +104,8 @@ TEST_CASE("mount forces: power in is potential plus dissipation") {
     RandomValues random(seed);
     Situation s = makeSituation(random);
     const MountForces forces(s.model);
-    Wrench on_mobile, on_fixed;
-    forces.calc(s.mobile, s.fixed, s.t, s.z.data(), on_mobile, on_fixed, s.zdot.data());
-    const double power = on_mobile.force.dot(s.mobile.v_GM) + on_mobile.moment.dot(s.mobile.w_GM) +
-                         on_fixed.force.dot(s.fixed.v_GF) + on_fixed.moment.dot(s.fixed.w_GF);
+    const auto [on_mobile, on_fixed] = calcWrenches(forces, s);
+    const double power = calcPower(on_mobile, on_fixed, s);
     const double h = 1e-7;
     std::vector<double> ahead = s.z, behind = s.z;
     for (std::size_t i = 0; i < s.z.size(); ++i) {
@@ -113,8 +126,7 @@ TEST_CASE("mount forces: a turned and moving world changes nothing but the frame
     RandomValues random(seed);
     Situation s = makeSituation(random);
     const MountForces forces(s.model);
-    Wrench on_mobile, on_fixed;
-    forces.calc(s.mobile, s.fixed, s.t, s.z.data(), on_mobile, on_fixed, s.zdot.data());
+    const auto [on_mobile, on_fixed] = calcWrenches(forces, s);
     // The whole world moved by (R, p) and turning with w, drifting with v.
     const Matrix3d R = rotationFromVector(random.vector(2));
     const Vector3d p = random.vector(1), w = random.vector(1), v = random.vector(1);
