@@ -72,6 +72,8 @@ private:
 
     MatValue readObject(hid_t object, int depth) {
         if (object < 0 || depth > kDeepestGroup || ++objects_ > kMostObjects) return {};
+        // MATLAB's objects and functions: their numbers are places in a store of its own.
+        if (H5Aexists(object, "MATLAB_object_decode") > 0) return {};
         switch (H5Iget_type(object)) {
             case H5I_GROUP:
                 return readGroup(object, depth);

@@ -7,6 +7,8 @@
 #include "models/error.hpp"
 #include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_reader.hpp"
+#include "tests/recording/hdf5_sample.hpp"
+#include "tests/recording/temporary_file.hpp"
 
 using namespace wems;
 using Catch::Contains;
@@ -109,6 +111,21 @@ TEST_CASE("The same run out of every format") {
               Approx(sign * azAt(k)).margin(sample.tolerance * 9.8).epsilon(0));
     checkChannel(recording, "mobile.1.z", zAt, sample.tolerance * 1.5e-3);
     checkChannel(recording, "load.fz", fzAt, sample.tolerance * 200);
+}
+
+TEST_CASE("MATLAB 7.3 keeps its objects as places in a store of its own, which are no numbers of the user's") {
+    const test::TemporaryFile file;
+    {
+        const test::Hdf5Sample sample(file.path());
+        sample.add("time", {6}, {}, false, {0, 1, 2, 3, 4, 5});
+        sample.add("load_fz", {1, 6}, {}, false, {1, 2, 3, 2, 1, 0});
+        sample.add("sweep", {1, 6}, {}, false, {3707764736, 2, 1, 1, 1, 1});
+        sample.mark("sweep", "MATLAB_object_decode", 3);
+    }
+    const Recording recording = readRecording(file.path());
+    CHECK(recording.unused_columns.empty());
+    REQUIRE_FALSE(recording.warnings.empty());
+    CHECK_THAT(recording.warnings[0], Contains("sweep is complex, sparse, an object or empty, and is not read"));
 }
 
 TEST_CASE("What is no channel is listed or kept as metadata") {

@@ -1,6 +1,4 @@
 // Long recordings of the formats other than CSV in blocks: together they are what readRecording() reads at once.
-#include <hdf5.h>
-
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -12,6 +10,7 @@
 #include "models/error.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_stream.hpp"
+#include "tests/recording/hdf5_sample.hpp"
 #include "tests/recording/temporary_file.hpp"
 
 using namespace wems;
@@ -95,37 +94,6 @@ std::string makeUff(std::size_t points, const UffKind& kind, std::mt19937& rando
 std::string uffColumns() {
     return "[columns]\n\"1:+X\" = \"mobile.1.x\"\n\"1:+Z\" = \"mobile.1.z\"\n";
 }
-
-/// What writes an HDF5 file: the library itself, one dataset after the other.
-class Hdf5Sample {
-public:
-    explicit Hdf5Sample(const std::string& file)
-        : file_(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)) {}
-    ~Hdf5Sample() { H5Fclose(file_); }
-    Hdf5Sample(const Hdf5Sample&) = delete;
-    Hdf5Sample& operator=(const Hdf5Sample&) = delete;
-
-    /// @param chunk none: the numbers stand on end; otherwise they are compressed in pieces of this size
-    void add(const char* name, const std::vector<hsize_t>& dims, const std::vector<hsize_t>& chunk, bool single,
-             const std::vector<double>& values) const {
-        const int rank = static_cast<int>(dims.size());
-        const hid_t space = H5Screate_simple(rank, dims.data(), nullptr), creation = H5Pcreate(H5P_DATASET_CREATE);
-        if (!chunk.empty()) {
-            H5Pset_chunk(creation, rank, chunk.data());
-            H5Pset_deflate(creation, 1);
-        }
-        const hid_t dataset = H5Dcreate2(file_, name, single ? H5T_IEEE_F32LE : H5T_IEEE_F64BE, space, H5P_DEFAULT,
-                                         creation, H5P_DEFAULT);
-        const herr_t written = H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
-        H5Dclose(dataset);
-        H5Pclose(creation);
-        H5Sclose(space);
-        REQUIRE(written >= 0);
-    }
-
-private:
-    hid_t file_;
-};
 
 void checkBlocks(const std::string& file, const ColumnMap* map, std::size_t rows, bool even = true) {
     REQUIRE(isStreamable(file));
@@ -213,7 +181,7 @@ TEST_CASE("Blocks of HDF5 files join to the whole recording") {
     bool is_matrix = false;
     SECTION("vectors of any shape") {
         const std::vector<std::vector<hsize_t>> shapes{{samples}, {1, samples}, {samples, 1}};
-        const Hdf5Sample sample(file.path());
+        const test::Hdf5Sample sample(file.path());
         int shape = 0;
         for (const char* name : {"mobile_1_z", "load_fz", "base_az"}) {
             const auto& dims = shapes[static_cast<std::size_t>(shape++)];
@@ -230,7 +198,7 @@ TEST_CASE("Blocks of HDF5 files join to the whole recording") {
         for (std::size_t k = 0; k < samples; ++k) values[row_by_row ? k * kChannels : k] = time[k];
         const std::vector<hsize_t> dims =
             row_by_row ? std::vector<hsize_t>{samples, kChannels} : std::vector<hsize_t>{kChannels, samples};
-        const Hdf5Sample sample(file.path());
+        const test::Hdf5Sample sample(file.path());
         sample.add("data", dims, chunkOf(dims), single, values);
         is_matrix = true;
     }
@@ -250,7 +218,7 @@ TEST_CASE("A long HDF5 file that is cut off is refused") {
     const bool compressed = GENERATE(false, true);
     const test::TemporaryFile file;
     {
-        const Hdf5Sample sample(file.path());
+        const test::Hdf5Sample sample(file.path());
         std::vector<double> time(kSamples), values(2 * kSamples);
         for (std::size_t k = 0; k < kSamples; ++k) time[k] = static_cast<double>(k) / 1024;
         for (double& value : values) value = std::round(10 * draw(random));
