@@ -3,8 +3,8 @@ const wemsBoxHeight = 0.75;
 const wemsSurfaceViews = [["oblique", [-1.5, -2.2, 1.1]], ["force over displacement", [0, -1, 0.02]],
                           ["force over velocity", [1, 0, 0.02]], ["from above", [0, -0.001, 1]]];
 
-// A text that always faces the camera.
-function wemsSprite(text, height, color) {
+// A text of `pixels` on the screen, however near, that always faces the camera; see resizeTexts().
+function wemsSprite(text, pixels, color) {
   const canvas = document.createElement("canvas"), context = canvas.getContext("2d"), size = 48;
   const font = size + "px system-ui, sans-serif";
   context.font = font;
@@ -16,8 +16,8 @@ function wemsSprite(text, height, color) {
   context.fillText(text, 4, canvas.height / 2);
   const texture = new THREE.CanvasTexture(canvas);
   texture.minFilter = THREE.LinearFilter;
-  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map: texture, depthTest: false }));
-  sprite.scale.set(height * canvas.width / canvas.height, height, 1);
+  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map: texture, depthTest: false, sizeAttenuation: false }));
+  sprite.userData.size = [pixels * canvas.width / size, pixels * canvas.height / size];
   return sprite;
 }
 
@@ -110,13 +110,20 @@ class WemsSurfacePicture {
       sprite.position.set(x, y, z);
       this.frame.add(sprite);
     };
-    const [x, y, z] = this.axes, small = 0.12, large = 0.15;
+    const [x, y, z] = this.axes, small = 12, large = 14;
     for (const tick of x.ticks()) write(String(tick), small, x.place(tick), -1.14, -height - 0.06);
     for (const tick of y.ticks()) write(String(tick), small, -1.16, y.place(tick), -height - 0.06);
     for (const tick of z.ticks()) write(String(tick), small, 1.16, -1.1, z.place(tick));
     write(x.label, large, 0.1, -1.42, -height - 0.16);
     write(y.label, large, -1.46, 0.1, -height - 0.16);
     write(z.label, large, 0.85, -1, height + 0.16);
+  }
+
+  // To the stage's present size.
+  resizeTexts(stage) {
+    const pixel = 2 * Math.tan(THREE.Math.degToRad(stage.camera.fov / 2)) / stage.box.clientHeight;
+    for (const { scale, userData } of this.frame.children)
+      if (userData.size) scale.set(userData.size[0] * pixel, userData.size[1] * pixel, 1);
   }
 
   recolor() {
@@ -152,5 +159,8 @@ function wemsSurface(id, data) {
       swatch.style.background = colors[data.sheets[i].color % colors.length];
     });
   };
-  stage.start(recolor, () => boxes.forEach(({ box }, i) => { picture.sheets[i].visible = box.checked; }));
+  stage.start(recolor, () => {
+    picture.resizeTexts(stage);
+    boxes.forEach(({ box }, i) => { picture.sheets[i].visible = box.checked; });
+  });
 }
