@@ -139,7 +139,18 @@ void addLawParameters(const ComponentData& data, const Trial& trial, SurfaceKind
     addColumn("cubic", "N/m^3", trial.cubic_column);
     addColumn("damping", "N s/m", trial.damping_column);
     addColumn("friction_force", "N", trial.friction_column);
-    addColumn("force_offset", "N", 0);
+    // The force at q = 0, to which each hinge below it adds −(change of slope) · (its position).
+    double offset = e.value[0];
+    Eigen::VectorXd at_rest = Eigen::VectorXd::Zero(e.value.size());
+    at_rest[0] = 1;
+    for (Eigen::Index j = first; j < first + hinges; ++j) {
+        const double change = e.value[j], position = e.value[j + hinges];
+        if (position >= 0) continue;
+        offset -= change * position;
+        at_rest[j] = -position;
+        at_rest[j + hinges] = -change;
+    }
+    kind.parameters.push_back(makeParameter(place + "force_offset", "N", offset, e.calcHalfWidth(at_rest)));
 
     if (hinges == 0 && !trial.cubic) {
         kind.name = "linear";

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 
 #include "identify/component/surface_grid.hpp"
 #include "identify/component/surface_kind.hpp"
@@ -37,6 +38,26 @@ TEST_CASE("The kind of a surface is named as it was made, over several draws") {
                    seed)
               .name == "clearance");
     CHECK(findKind([](double, double v) { return 200 * std::tanh(v / 1e-3); }, seed).name == "friction");
+}
+
+TEST_CASE("The offset of a piecewise-linear force is the force at rest, within its interval in most draws") {
+    const unsigned base = std::random_device{}();
+    CAPTURE(base);
+    int within = 0;
+    for (unsigned draw = 0; draw < 20; ++draw) {
+        std::mt19937 random(base + draw);
+        const double offset = std::uniform_real_distribution<double>(-100.0, 100.0)(random);
+        const auto kind = findKind(
+            [&](double q, double v) {
+                return offset + 10 * v + 5e5 * std::max(q - 1e-3, 0.0) + 5e5 * std::min(q + 0.7e-3, 0.0);
+            },
+            base + draw);
+        const auto& last = kind.parameters.back();
+        REQUIRE(last.name == "1.z.force_offset");
+        CHECK(last.value == Approx(offset).margin(10));  // noise 8 N, correlated over 40 samples
+        within += last.lower <= offset && offset <= last.upper ? 1 : 0;
+    }
+    CHECK(within >= 14);  // fewer by chance alone: once in 30 000 at 95 %
 }
 
 TEST_CASE("A slider behind a play is friction with a gap, a slider on a spring is not") {
