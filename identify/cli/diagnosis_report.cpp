@@ -9,6 +9,7 @@
 #include "identify/cli/judged_runs.hpp"
 #include "identify/cli/restoring_forces.hpp"
 #include "identify/cli/simulated_runs.hpp"
+#include "identify/motion/swept_frequency.hpp"
 #include "models/format_number.hpp"
 #include "models/report/html_report.hpp"
 
@@ -118,7 +119,9 @@ void addCurves(const Diagnosis& diagnosis, const MountModel& model, const Diagno
     if (judged.size() < judges.size())
         page.addText("Of " + std::to_string(judges.size()) + " runs that judged, the first " +
                      std::to_string(judged.size()) + " are drawn.");
-    addRestoringForces(page, all, model, diagnosis.extended, named);
+    std::vector<MovedRun> moved;
+    for (const JudgedRun& run : all) moved.push_back({&run.motion, findSweptFrequency(run.recording).hertz});
+    addRestoringForces(page, moved, model, diagnosis.extended, "as extended", named);
     const GroupError& noise = diagnosis.noise_floor;
     addSimulatedRuns(page, judged, model, diagnosis.extended,
                      diagnosis.validated ? noise.validation : noise.identification, named);

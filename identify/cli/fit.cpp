@@ -9,7 +9,8 @@
 #include "identify/cli/campaign.hpp"
 #include "identify/cli/command.hpp"
 #include "identify/cli/component_fit.hpp"
-#include "identify/cli/device_scene.hpp"
+#include "identify/cli/fit_output.hpp"
+#include "identify/cli/fit_report.hpp"
 #include "identify/cli/long_recordings.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
@@ -38,99 +39,6 @@ struct FitCommandOptions {
     double mass = 0, from = 0, to = 0;
     bool timing = false;
 };
-
-using Timing = std::vector<std::pair<std::string, double>>;
-
-nlohmann::json makeJson(const FitResult& fit, const std::vector<std::string>& notes, const Timing& timing) {
-    auto parameters = nlohmann::json::array(), unknown = nlohmann::json::array();
-    for (const auto& p : fit.parameters)
-        parameters.push_back({{"name", p.name},
-                              {"value", p.value},
-                              {"unit", p.unit},
-                              {"interval95", p.interval95},
-                              {"standard_error", p.standard_error},
-                              {"model_value", p.model_value}});
-    for (const auto& group : fit.not_identifiable) {
-        nlohmann::json entry = {{"names", group.names},
-                                {"known_combination", group.combination},
-                                {"unit", group.unit},
-                                {"separate_by", group.separate_by}};
-        if (!group.combination.empty()) {
-            entry["value"] = group.value;
-            entry["interval95"] = group.interval95;
-        }
-        if (!group.reason.empty()) entry["reason"] = group.reason;
-        unknown.push_back(std::move(entry));
-    }
-    nlohmann::json result = {
-        {"parameters", parameters},
-        {"not_identifiable", unknown},
-        {"residual", {{"fraction", fit.residual_fraction}, {"over_noise", fit.residual_over_noise}}},
-        {"notes", notes}};
-    for (const auto& [step, seconds] : timing) result["timing"][step] = seconds;
-    return result;
-}
-
-Table makeParameterTable(const FitResult& fit) {
-    Table table({"parameter", "model", "identified", "95 % from", "to", "unit"});
-    for (const auto& p : fit.parameters)
-        table.addRow({p.name, formatNumber(p.model_value), formatNumber(p.value, 6), formatNumber(p.interval95[0], 6),
-                      formatNumber(p.interval95[1], 6), p.unit});
-    return table;
-}
-
-Table makeOpenTable(const FitResult& fit) {
-    Table table(
-        {"not identifiable one by one", "what is known", "value", "95 % from", "to", "unit", "would be told by"});
-    for (const auto& group : fit.not_identifiable) {
-        const bool known = !group.combination.empty();
-        table.addRow({joinWords(group.names),
-                      known                  ? group.combination
-                      : group.reason.empty() ? "nothing"
-                                             : group.reason,
-                      known ? formatNumber(group.value, 6) : "-", known ? formatNumber(group.interval95[0], 6) : "-",
-                      known ? formatNumber(group.interval95[1], 6) : "-", known ? group.unit : "", group.separate_by});
-    }
-    return table;
-}
-
-std::string describeResidual(const FitResult& fit) {
-    return "unexplained: " + formatNumber(100 * fit.residual_fraction, 3) + " % of the wrench that the motion demands";
-}
-
-void addDisplacementPlots(HtmlReport& page, const std::vector<RunMotion>& runs) {
-    for (const RunMotion& run : runs) {
-        page.addHeading("Motion of the mobile part: " + run.file);
-        Plot translation{"Translation of the mobile frame's origin", "time [s]", "displacement [mm]", {}, false};
-        Plot rotation{"Rotation of the mobile part", "time [s]", "rotation [mrad]", {}, false};
-        for (int axis = 0; axis < 3; ++axis) {
-            const std::string name(1, "xyz"[axis]);
-            const Eigen::VectorXd p = 1e3 * run.mobile.p.row(axis).transpose(),
-                                  angle = 1e3 * run.mobile.theta.row(axis).transpose();
-            translation.series.push_back({name, run.time, {p.begin(), p.end()}});
-            rotation.series.push_back({name, run.time, {angle.begin(), angle.end()}});
-        }
-        page.addPlot(translation);
-        page.addPlot(rotation);
-    }
-}
-
-void writeReport(const FitResult& fit, const std::vector<RunMotion>& runs, const std::vector<Recording>& recordings,
-                 const std::vector<std::string>& notes, const std::string& file) {
-    HtmlReport page("Identified mount: " + fit.model.name);
-    page.addLead(describeResidual(fit));
-    const Table parameters = makeParameterTable(fit), open = makeOpenTable(fit);
-    page.addTable(parameters.header(), parameters.rows());
-    if (!open.rows().empty()) {
-        page.addHeading("What these data cannot tell");
-        page.addTable(open.header(), open.rows());
-    }
-    if (!notes.empty()) page.addHeading("How the motion was obtained");
-    page.addList(notes);
-    if (!recordings.empty()) addMotion(page, makeDeviceScene(runs, recordings, fit.model));
-    addDisplacementPlots(page, runs);
-    page.write(file);
-}
 
 DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& model, std::vector<Recording>& recordings,
                         Progress& progress) {
@@ -163,7 +71,7 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, const 
     watch.lap("validation");
     if (!options.common.report_file.empty()) {
         progress->step("report");
-        writeReport(fit, runs, recordings, notes, options.common.report_file);
+        writeFitReport({fit, model, runs, recordings, notes}, options.common.report_file);
     }
     progress.reset();
     if (!options.output.empty()) writeMountModel(fit.model, options.output);
@@ -180,11 +88,28 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, const 
             for (const auto& [step, seconds] : timing)
                 std::cout << "time: " << step << " " << formatNumber(seconds, 3) << " s\n";
     }
-    nlohmann::json result = makeJson(fit, notes, options.timing ? timing : Timing{});
+    nlohmann::json result = makeFitJson(fit, notes, options.timing ? timing : Timing{});
     if (device.blocks) result["blocks"] = device.blocks->makeJson();
     for (const ValidationError& run : validation)
         result["validation"].push_back({{"run", run.file}, {"error", run.error}});
     writeJson(result, options.common);
+}
+
+/// Force over displacement, as measured and as the fitted law has it along the measured motion.
+Plot plotElement(const ComponentData& data, const ComponentFit& fit) {
+    const Eigen::VectorXd q = 1e3 * data.q;
+    const Connection* connection = fit.fitted.connections.data();
+    for (const Connection& candidate : fit.fitted.connections)
+        if (candidate.name == fit.connection) connection = &candidate;
+    const AxisForce law(connection->axis.at(static_cast<std::size_t>(fit.axis)));
+    Plot plot{"Force over displacement: " + data.file, "displacement [mm]", "force [N]", {}, true};
+    plot.series.push_back({"measured", {q.begin(), q.end()}, {data.force.begin(), data.force.end()}});
+    if (law.law().friction && !data.has_velocity) return plot;  // its direction is not in the data
+    Series fitted{"fitted", {q.begin(), q.end()}, {}};
+    for (Eigen::Index k = 0; k < data.count(); ++k)
+        fitted.y.push_back(law.calcForce(data.q[k], data.velocity[k], data.time[k], nullptr) + fit.force_offset);
+    plot.series.push_back(std::move(fitted));
+    return plot;
 }
 
 void fitElement(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings) {
@@ -198,13 +123,8 @@ void fitElement(const FitCommandOptions& options, const MountModel& model, const
     const Table table = tabulateParameters(fit.parameters);
     page.addTable(table.header(), table.rows());
     for (const Recording& recording : recordings) {
-        const ComponentData data = extractComponent(recording, options.component);
-        const Eigen::VectorXd q = 1e3 * data.q;
-        page.addPlot({"Force over displacement: " + data.file,
-                      "displacement [mm]",
-                      "force [N]",
-                      {{"measured", {q.begin(), q.end()}, {data.force.begin(), data.force.end()}}},
-                      true});
+        const ComponentData data = extractComponent(recording, completeOptions(recording, model, options.component));
+        page.addPlot(plotElement(data, fit));
     }
     for (const auto& note : fit.notes) page.addText(note);
     page.write(options.common.report_file);

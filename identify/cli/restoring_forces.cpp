@@ -6,18 +6,14 @@
 #include <cmath>
 #include <limits>
 
-#include "identify/component/surface_grid.hpp"
+#include "identify/cli/surface_sheets.hpp"
 #include "identify/diagnose/mount_equation.hpp"
 #include "identify/diagnose/whitening.hpp"
-#include "identify/motion/swept_frequency.hpp"
-#include "models/report/force_surface.hpp"
 
 namespace wems::identify::cli {
 namespace {
 
 constexpr int kCurveCells = 80, kFewestInCell = 3;  // of a curve; samples in a cell
-constexpr int kFewestCells = 12, kMostCells = 32;   // of a surface, each way …
-constexpr double kSamplesPerCell = 12;              // … so that its cells are filled
 constexpr double kShownPeriods = 1.5;               // to both sides of the largest motion
 constexpr double kShownTime = 0.1;                  // s, likewise, where the drive is no sine
 constexpr int kCloudBefore = 9, kCloudAfter = 7;
@@ -56,14 +52,14 @@ void calcForces(const OpenLoopRun& run, const MountModel& model, const Eigen::Ma
     }
 }
 
-Histories calcHistories(const JudgedRun& run, const MountModel& before, const MountModel& after) {
-    const OpenLoopRun open = makeOpenLoopRun(run.motion, after, findSweptFrequency(run.recording).hertz);
+Histories calcHistories(const MovedRun& run, const MountModel& before, const MountModel& after) {
+    const OpenLoopRun open = makeOpenLoopRun(*run.motion, after, run.swept);
     Histories result;
     result.interval = open.interval;
     result.of[displacement] = open.q;
     result.of[velocity] = open.v;
-    calcForces(open, before, calcWeight(run.motion, before), result.of[law_before], result.of[measured_before]);
-    calcForces(open, after, calcWeight(run.motion, after), result.of[law_after], result.of[measured_after]);
+    calcForces(open, before, calcWeight(*run.motion, before), result.of[law_before], result.of[measured_before]);
+    calcForces(open, after, calcWeight(*run.motion, after), result.of[law_after], result.of[measured_after]);
     Eigen::Index first = 0, last = open.taper.size();
     while (first < last && open.taper[first] < 1) ++first;
     while (first < last && open.taper[last - 1] < 1) --last;
@@ -166,25 +162,13 @@ Plot plotLargestMotion(const std::vector<Histories>& runs, const AxisPlace& plac
 }
 
 ForceSurface makeSurface(const std::vector<Histories>& runs, const AxisPlace& place, const std::string& name) {
-    ForceSurface surface;
-    surface.title = "Restoring force surface at " + name;
-    surface.displacement_label = "displacement [mm]";
-    surface.velocity_label = "velocity [m/s]";
-    surface.force_label = "force [N]";
+    ForceSurface surface = makeEmptySurface("Restoring force surface at " + name);
     ComponentData data;
     data.q = joinRows(runs, place, displacement);
     data.velocity = joinRows(runs, place, velocity);
-    const double filled = std::sqrt(static_cast<double>(data.q.size()) / kSamplesPerCell);
-    const int cells = std::clamp(static_cast<int>(filled), kFewestCells, kMostCells);
     const auto add = [&](const char* sheet, Term term, bool points, int color) {
         data.force = joinRows(runs, place, term);
-        const SurfaceGrid grid = makeSurfaceGrid(data, cells, cells);
-        const auto middles = [](const Eigen::VectorXd& edges) {
-            return (0.5 * (edges.head(edges.size() - 1) + edges.tail(edges.size() - 1))).eval();
-        };
-        surface.displacement = 1e3 * middles(grid.q_edges);
-        surface.velocity = middles(grid.v_edges);
-        surface.sheets.push_back({sheet, grid.median, points, color});
+        addSheet(surface, sheet, data, points, color);
     };
     add("measured", measured_after, true, kMeasuredColor);
     add("law before", law_before, false, kBeforeColor);
@@ -202,10 +186,10 @@ AxisPlace findLargestForce(const std::vector<Histories>& runs) {
 
 }  // namespace
 
-void addRestoringForces(HtmlReport& page, const std::vector<JudgedRun>& runs, const MountModel& before,
-                        const MountModel& after, const std::optional<AxisPlace>& named) {
+void addRestoringForces(HtmlReport& page, const std::vector<MovedRun>& runs, const MountModel& before,
+                        const MountModel& after, const std::string& after_is, const std::optional<AxisPlace>& named) {
     std::vector<Histories> histories;
-    for (const JudgedRun& run : runs) {
+    for (const MovedRun& run : runs) {
         histories.push_back(calcHistories(run, before, after));
         if (histories.back().of[displacement].cols() == 0) histories.pop_back();  // shorter than the smoothing reaches
     }
@@ -213,11 +197,11 @@ void addRestoringForces(HtmlReport& page, const std::vector<JudgedRun>& runs, co
     page.addHeading("Restoring forces of the connections");
     page.addText(
         "Points, measured: the force that the equations of motion demand of an axis along the measured motion if "
-        "everything else "
-        "follows the model, once with the model as given, once as extended; as the mobile part has six equations and "
-        "its connections have more axes, what one axis lacks shows at the others too. Lines: the force of the axis' "
-        "own "
-        "law along the same motion, where the velocity is zero. Where the model is right, points lie on the line.");
+        "everything else follows the model, once with the model as given, once " +
+        after_is +
+        "; as the mobile part has six equations and its connections have more axes, what one axis lacks shows at the "
+        "others too. Lines: the force of the axis' own law along the same motion, where the velocity is zero. Where "
+        "the model is right, points lie on the line.");
     std::vector<Plot> plots;
     for (std::size_t i = 0; i < after.connections.size(); ++i)
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -228,8 +212,7 @@ void addRestoringForces(HtmlReport& page, const std::vector<JudgedRun>& runs, co
     const AxisPlace shown = named ? *named : findLargestForce(histories);
     const std::string name = shown.name(after);
     page.addText(named ? "The diagnosis names " + name + ": its force in time, and over displacement and velocity."
-                       : "The diagnosis names no axis; " + name +
-                             " carries the largest force: its force in time, and over displacement and velocity.");
+                       : name + " carries the largest force: its force in time, and over displacement and velocity.");
     page.addPlot(plotLargestMotion(histories, shown, name));
     page.addSurface(makeSurface(histories, shown, name));
 }

@@ -1,6 +1,6 @@
 /// @file
-/// Restoring forces of the connections in the report of a diagnosis: what the equations of motion demand along the
-/// measured motion, against what the model's laws give, before and after.
+/// Restoring forces of the connections in the reports of a fit and a diagnosis: what the equations of motion demand
+/// along the measured motion, against what the model's laws give, before and after.
 ///
 /// The mobile part has six equations, its connections have more axes. The force that is drawn as measured at an axis is
 /// the one that the equations demand of it if every other axis follows its law (a partial residual):
@@ -11,6 +11,9 @@
 /// the channels' noise gives.
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "identify/cli/judged_runs.hpp"
@@ -18,9 +21,16 @@
 
 namespace wems::identify::cli {
 
+/// A measured motion, its slow part included, and the swept frequency (Hz at each sample; empty if not known).
+struct MovedRun {
+    const RunMotion* motion;
+    Eigen::VectorXd swept;
+};
+
 /// Curves of all axes, the named one's loops at its largest motion and its surface over displacement and velocity.
-/// @param named whose surface is drawn; absent: the axis with the largest force
-void addRestoringForces(HtmlReport& page, const std::vector<JudgedRun>& runs, const MountModel& before,
-                        const MountModel& after, const std::optional<AxisPlace>& named);
+/// @param after_is `as extended`, `as fitted`
+/// @param named    whose surface is drawn; absent: the axis with the largest force
+void addRestoringForces(HtmlReport& page, const std::vector<MovedRun>& runs, const MountModel& before,
+                        const MountModel& after, const std::string& after_is, const std::optional<AxisPlace>& named);
 
 }  // namespace wems::identify::cli

@@ -1,6 +1,7 @@
 #include "identify/cli/surface_report.hpp"
 
 #include "identify/cli/component_fit.hpp"
+#include "identify/cli/surface_sheets.hpp"
 #include "identify/component/surface_grid.hpp"
 #include "models/report/html_report.hpp"
 
@@ -43,6 +44,9 @@ void writeSurfaceReport(const ComponentData& data, const SurfaceKind& kind, cons
                         "velocity [m/s]",
                         "median force [N]",
                         {{"median", damping.at, damping.force}}});
+        ForceSurface surface = makeEmptySurface("Restoring force surface: medians over displacement and velocity");
+        addSheet(surface, "median force", data, false, 0);
+        report.addSurface(surface);
     }
     report.addPlot({"Force over travel since the last reversal",
                     "travel [mm]",

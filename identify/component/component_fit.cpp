@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "identify/component/block_regression.hpp"
 #include "identify/component/reversals.hpp"
@@ -22,7 +23,7 @@ Stack stackRecordings(const std::vector<Recording>& recordings, ComponentOptions
     std::vector<ComponentData> parts;
     Eigen::Index count = 0;
     for (const auto& recording : recordings) {
-        if (recording.connections(Part::force).empty() && !options.mass) options.mass = model.body.mass;
+        options = completeOptions(recording, model, options);
         parts.push_back(extractComponent(recording, options));
         options.connection = parts.front().connection;  // the following ones must have the same
         options.axis = parts.front().axis;
@@ -92,6 +93,39 @@ std::string stopName(const std::vector<Stop>& stops, std::size_t index) {
     return before == 0 ? side : side + std::to_string(before + 1);
 }
 
+/// Takes out of a law what a component test does not fit: the fitted stiffness and dashpot hold its effect, and with it
+/// the fitted model would have it twice. Clearances then count from rest. Returns a note; empty if there was nothing.
+std::string keepFittedTerms(AxisLaw& law) {
+    constexpr double least = 1e-9;  // m, since a clearance is positive
+    std::vector<std::string> dropped;
+    const auto drop = [&](const char* name, double& value) {
+        if (value != 0) dropped.emplace_back(name);
+        value = 0;
+    };
+    for (Stop& stop : law.stops) {
+        const double shift = stop.side == Side::positive ? -law.offset : law.offset;
+        stop.clearance = std::max(least, stop.clearance + shift);
+    }
+    drop("offset", law.offset);
+    drop("loss_factor", law.loss_factor);
+    drop("drift", law.drift);
+    if (law.relaxation) dropped.emplace_back("relaxation");
+    law.relaxation.reset();
+    if (law.friction && law.friction->presliding_stiffness) {
+        dropped.emplace_back("friction.presliding_stiffness");
+        law.friction->presliding_stiffness.reset();
+    }
+    double dissipation = 0;
+    for (Stop& stop : law.stops) dissipation = std::max(dissipation, std::exchange(stop.dissipation, 0.0));
+    drop("stops.dissipation", dissipation);
+    std::string note;
+    for (const auto& name : dropped) note += (note.empty() ? "" : ", ") + name;
+    return note.empty() ? note
+                        : "the model's " + note +
+                              ": not what a component test tells; left out of the fitted model, whose other values "
+                              "hold the effect (clearances count from rest)";
+}
+
 /// The data never go where the parameter acts: what to do about it.
 std::string adviseOn(const std::string& name) {
     if (name.find("clearance") != std::string::npos) return "a test that travels beyond this stop";
@@ -123,7 +157,30 @@ std::ptrdiff_t findUnreachedStop(const HingeFit& fit, const HingeProblem& proble
     return weakest;
 }
 
+/// Of two stops on one side the nearer one is reached first: hinges go to the stops in the order of the model's
+/// clearances. `reached` holds the stop of each hinge.
+void sortReached(const std::vector<Stop>& stops, const std::vector<Hinge>& hinges, std::vector<std::size_t>& reached) {
+    for (const Side side : {Side::positive, Side::negative}) {
+        std::vector<std::size_t> candidates, order;  // stops; places in `reached`
+        for (std::size_t i = 0; i < stops.size(); ++i)
+            if (stops[i].side == side) candidates.push_back(i);
+        for (std::size_t k = 0; k < reached.size(); ++k)
+            if (stops[reached[k]].side == side) order.push_back(k);
+        std::sort(candidates.begin(), candidates.end(),
+                  [&](std::size_t a, std::size_t b) { return stops[a].clearance < stops[b].clearance; });
+        std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+            return std::abs(hinges[a].position) < std::abs(hinges[b].position);
+        });
+        for (std::size_t k = 0; k < order.size(); ++k) reached[order[k]] = candidates[k];
+    }
+}
+
 }  // namespace
+
+ComponentOptions completeOptions(const Recording& recording, const MountModel& model, ComponentOptions options) {
+    if (recording.connections(Part::force).empty() && !options.mass) options.mass = model.body.mass;
+    return options;
+}
 
 ComponentFit fitComponent(const std::vector<Recording>& recordings, const MountModel& model,
                           const ComponentOptions& options) {
@@ -136,6 +193,9 @@ ComponentFit fitComponent(const std::vector<Recording>& recordings, const MountM
     fit.fitted = model;
     const auto connection = static_cast<std::size_t>(findConnection(model, data.connection));
     AxisLaw& law = fit.fitted.connections[connection].axis[static_cast<std::size_t>(data.axis)];
+
+    const std::string dropped = keepFittedTerms(law);
+    if (!dropped.empty()) fit.notes.push_back(dropped);
 
     const auto columns = makeColumns(stack, law);
     HingeProblem problem;
@@ -159,6 +219,7 @@ ComponentFit fitComponent(const std::vector<Recording>& recordings, const MountM
         reached.erase(reached.begin() + unreached);
     }
     if (problem.start.empty()) result = HingeFit{{}, solveBlocks(problem.base, problem.y, problem.run_starts)};
+    sortReached(law.stops, result.hinges, reached);
     const Estimates& e = result.estimates;
     fit.residual_fraction = e.fraction;
     fit.residual_rms = e.residual.norm() / std::sqrt(static_cast<double>(data.count()));

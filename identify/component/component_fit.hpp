@@ -4,7 +4,9 @@
 /// The model gives the law's shape, not its values: stiffness always, a dashpot where velocity is known, a constant
 /// force (zero of the load cell, weight), and of what the law of that axis has: each stop's clearance and stiffness,
 /// the cubic term, dry friction. Everything but the clearances is linear; they come from variable projection
-/// (block_regression.hpp). The friction's transition velocity is the model's.
+/// (block_regression.hpp). The friction's transition velocity is the model's. What else the law has (offset, loss
+/// factor, relaxation, drift, presliding, a stop's dissipation) is left out of the fitted model, which a note says:
+/// together with the fitted values it would act twice.
 #pragma once
 
 #include <optional>
@@ -36,9 +38,12 @@ struct ComponentFit {
     std::vector<std::string> notes;
 };
 
+/// Where a recording has neither a force nor a mass is given, that of the model's body.
+ComponentOptions completeOptions(const Recording& recording, const MountModel& model, ComponentOptions options);
+
 /// Fits one axis to all recordings together.
-/// @param options connection and axis as in extractComponent; without mass and force channel the model's body mass is
-/// used. The model's connection is that of the recording's name, or its only one.
+/// @param options connection and axis as in extractComponent, completed as above. The model's connection is that of the
+/// recording's name, or its only one.
 /// @throws InputError if the channels or the window do not allow it, or the law of that axis is empty.
 ComponentFit fitComponent(const std::vector<Recording>& recordings, const MountModel& model,
                           const ComponentOptions& options);

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "identify/fit/parameter_directions.hpp"
+#include "identify/fit/remainder.hpp"
 #include "identify/motion/motion.hpp"
 #include "models/mount_model.hpp"
 
@@ -49,6 +51,8 @@ struct FitResult {
     double residual_fraction = 0;  ///< RMS of the unexplained wrench over that of the demanded one
     double residual_over_noise =
         0;  ///< of the weighted equations, RMS over what the channels' noise gives; 0 if unknown
+    std::vector<ParameterDirection> directions;  ///< how well the equations determine the parameters
+    std::vector<RunRemainder> remainders;        ///< of each run
     std::vector<std::string> notes;
     std::vector<std::pair<std::string, double>> timing;  ///< step, s
 };

@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -39,34 +38,6 @@ Eigen::MatrixXd addGeometryError(const LinearSystem& system, const Eigen::Matrix
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(total);
     const Eigen::VectorXd variances = eigen.eigenvalues().cwiseMin(largest * largest).cwiseMax(0.0);
     return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
-}
-
-/// RMS of a wrench over a run, moments over the mount's mean arm.
-double calcWrenchSquares(const Eigen::VectorXd& wrench, double arm) {
-    const Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>> rows(wrench.data(), 6, wrench.size() / 6);
-    return rows.topRows<3>().squaredNorm() + rows.bottomRows<3>().squaredNorm() / (arm * arm);
-}
-
-double calcResidualFraction(const Solver& solver) {
-    double arm_squares = 0;
-    for (const auto& connection : solver.model().connections) arm_squares += connection.position.squaredNorm();
-    const double mean_square = arm_squares / static_cast<double>(solver.model().connections.size());
-    const double arm = mean_square > 0 ? std::sqrt(mean_square) : 1.0;
-    double residual = 0, demanded = 0;
-    const NormalEquations& equations = solver.equations();
-    for (std::size_t r = 0; r < solver.runCount(); ++r) {
-        const Matrix6d unwhiten = equations.whitening(r).inverse();
-        Eigen::VectorXd coefficients = equations.makeCoefficients(solver.model());
-        const auto raw = [&](Eigen::VectorXd whitened) {
-            Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic>> rows(whitened.data(), 6, whitened.size() / 6);
-            rows = (unwhiten * rows).eval();
-            return whitened;
-        };
-        residual += calcWrenchSquares(raw(equations.apply(r, coefficients)), arm);
-        coefficients.tail(coefficients.size() - equations.layout().stiffness(0)).setZero();
-        demanded += calcWrenchSquares(raw(equations.apply(r, coefficients)), arm);
-    }
-    return demanded > 0 ? std::sqrt(residual / demanded) : 0.0;
 }
 
 /// Moves the open parameters of `model`, each in proportion to its base value, until the known combinations hold.
@@ -181,9 +152,10 @@ void reportFit(Solver& solver, const LinearSystem& system, const ParameterUncert
                const FitOptions& options, FitResult& result) {
     std::vector<Parameter> taking_part;
     for (const int p : system.parameters) taking_part.push_back(solver.parameters()[static_cast<std::size_t>(p)]);
+    const Eigen::MatrixXd covariance = addGeometryError(system, uncertainty.makeCovariance(), options.geometry_error);
+    result.directions = findDirections(taking_part, system.information, covariance);
     const Identifiability identifiability =
-        findIdentifiable(solver.model(), taking_part, system.scale,
-                         addGeometryError(system, uncertainty.makeCovariance(), options.geometry_error),
+        findIdentifiable(solver.model(), taking_part, system.scale, covariance,
                          [&](const Eigen::VectorXd& combination) { return uncertainty.calcHalfWidth(combination); });
     result.model = solver.base();
     for (std::size_t j = 0; j < taking_part.size(); ++j) {
@@ -200,7 +172,8 @@ void reportFit(Solver& solver, const LinearSystem& system, const ParameterUncert
     }
     reportOpenGroups(solver, system, uncertainty, identifiability, result);
     reportUnreachedStops(solver, result);
-    result.residual_fraction = calcResidualFraction(solver);
+    result.remainders = calcRemainders(solver);
+    result.residual_fraction = calcUnexplainedFraction(result.remainders, solver.model());
     warnOfMissingTerms(solver, uncertainty, result);
 }
 

@@ -36,23 +36,6 @@ std::vector<std::vector<int>> findGroups(const std::vector<int>& members, const 
     return groups;
 }
 
-std::string formatCombination(const std::vector<Parameter>& parameters, const std::vector<int>& members,
-                              const Eigen::VectorXd& factors) {
-    std::string text;
-    for (std::size_t j = 0; j < members.size(); ++j) {
-        const double factor = factors(static_cast<Eigen::Index>(j));
-        if (factor == 0) continue;
-        text += text.empty() ? (factor < 0 ? "-" : "") : (factor < 0 ? " - " : " + ");
-        if (std::abs(factor) != 1) {
-            std::array<char, 32> number{};
-            std::snprintf(number.data(), number.size(), "%.3g ", std::abs(factor));
-            text += number.data();
-        }
-        text += parameters[static_cast<std::size_t>(members[j])].name;
-    }
-    return text;
-}
-
 /// Collects known combinations of one group until no further independent one is known.
 class CombinationSearch {
 public:
@@ -170,6 +153,23 @@ private:
 };
 
 }  // namespace
+
+std::string formatCombination(const std::vector<Parameter>& parameters, const std::vector<int>& members,
+                              const Eigen::VectorXd& factors) {
+    std::string text;
+    for (std::size_t j = 0; j < members.size(); ++j) {
+        const double factor = factors(static_cast<Eigen::Index>(j));
+        if (factor == 0) continue;
+        text += text.empty() ? (factor < 0 ? "-" : "") : (factor < 0 ? " - " : " + ");
+        if (std::abs(factor) != 1) {
+            std::array<char, 32> number{};
+            std::snprintf(number.data(), number.size(), "%.3g ", std::abs(factor));
+            text += number.data();
+        }
+        text += parameters[static_cast<std::size_t>(members[j])].name;
+    }
+    return text;
+}
 
 double calcTolerance(const Parameter& parameter) {
     return parameter.kind == ParameterKind::damping ? 0.2 : 0.1;

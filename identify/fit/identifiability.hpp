@@ -31,6 +31,10 @@ struct Identifiability {
     std::vector<OpenGroup> groups;
 };
 
+/// `1.x.stiffness - 0.5 2.x.stiffness`; members whose factor is zero are left out.
+std::string formatCombination(const std::vector<Parameter>& parameters, const std::vector<int>& members,
+                              const Eigen::VectorXd& factors);
+
 /// Largest relative standard error of a parameter that is reported as known: 10 %, of dashpots 20 %.
 double calcTolerance(const Parameter& parameter);
 

@@ -98,7 +98,8 @@ LinearSystem Solver::makeSystem(bool free_clearances) const {
     const Eigen::MatrixXd& gram = equations_.gram();
     const Eigen::MatrixXd noise = makeNoiseProducts();
     const Eigen::MatrixXd prior = kPriorWeight * Eigen::MatrixXd::Identity(count, count);
-    const Eigen::MatrixXd seen = jacobian.transpose() * gram * jacobian + prior;
+    system.information = jacobian.transpose() * gram * jacobian;
+    const Eigen::MatrixXd seen = system.information + prior;
     const Eigen::MatrixXd true_part = seen - jacobian.transpose() * noise * jacobian;
     system.gradient =
         jacobian.transpose() * ((gram - noise) * equations_.makeCoefficients(model_)) + kPriorWeight * distance;

@@ -16,6 +16,7 @@ struct LinearSystem {
     std::vector<int> parameters;  ///< index of each row in the solver's list
     Eigen::VectorXd scale;
     Eigen::VectorXd gradient;     ///< of half the sum of squares
+    Eigen::MatrixXd information;  ///< JᵀJ of the weighted equations
     Eigen::MatrixXd inverse;      ///< of the information; directions seen only in noise are left out
     Eigen::MatrixXd open;         ///< covariance that stands for those directions: several times the scale
     Eigen::VectorXd column_norm;  ///< of each scaled column

@@ -25,6 +25,14 @@ SKIPPED = 77
 LARGEST_PAGE = 10e6  # bytes
 WIDTHS = (1280, 390)
 TRIED = "fit"  # the page whose controls are used; on the others they come from the same code
+EXPECTED = {  # beginnings of titles
+    "fit": ["Singular values", "Restoring force at 1.x", "Restoring force at 4.z", "Restoring force surface at",
+            "Unexplained force", "Unexplained moment", "Spectrum of the force", "Autocorrelation"],
+    "diagnose": ["Restoring force at 4.z", "Restoring force surface at", "Envelope of the motion", "Amplitude of order 3"],
+    "element": ["Force over displacement"],
+    "surface": ["Force over displacement", "Restoring force surface"],
+    "inspect": ["Order 1 along the sweep", "Phase of order 1"],
+}
 CLEARANCE = 1.57e-3  # m, of the axial stops of the shipped device
 
 # Shares of pixels that differ from the corner's, of each canvas, and the number of colours there.
@@ -199,9 +207,9 @@ def check_contact(words, name, out, checks):
 def check_scene(browser, name, out, checks):
     """Each control of the moving picture changes it."""
     from selenium.webdriver.common.keys import Keys
-    shown = [e for e in find(browser, ".controls button, .controls input, .controls select") if e.is_displayed()]
+    shown = [e for e in find(browser, ".scene .controls button, .scene .controls input, .scene .controls select") if e.is_displayed()]
     control = {element.accessible_name.split(" ")[0]: element for element in shown}
-    words = lambda: find(browser, ".words")[0].text
+    words = lambda: find(browser, ".scene .words")[0].text
 
     def changes(what, act):
         before = picture_of(browser)
@@ -241,7 +249,7 @@ def seek(browser, control, station, moment):
     browser.execute_script(SET, control["Place"], station)
     browser.execute_script(SET, control["Moment"], moment)
     two_frames(browser)
-    return "stop closed:" in find(browser, ".words")[0].text
+    return "stop closed:" in find(browser, ".scene .words")[0].text
 
 
 def check_zoom(browser, name, checks):
@@ -357,6 +365,9 @@ def main():
                 check_zoom(browser, name, checks)
                 check_legend(browser, name, checks)
                 check_scene(browser, name, arguments.out, checks)
+            titles = [caption.text for caption in find(browser, "figcaption")]
+            for title in EXPECTED.get(name, []):
+                checks.check(any(text.startswith(title) for text in titles), f"{name}: there is a picture «{title}»")
             if name == "diagnose":
                 check_diagnosis(browser, page, checks)
             check_page(browser, name, checks, arguments.out)

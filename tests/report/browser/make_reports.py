@@ -9,7 +9,7 @@ def call(*command, folder):
 
 
 def make_reports(simulate, identify, device, folder):
-    """Writes NAME.html into `folder` for each command with --report; returns their paths."""
+    """Writes NAME.html into `folder` for each command with --report, `fit` twice; returns their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     text = Path(device).read_text().replace('modes = "', f'modes = "{Path(device).parent}/')
     (folder / "device.toml").write_text(text)
@@ -21,14 +21,15 @@ def make_reports(simulate, identify, device, folder):
     call(simulate, "believed.toml", "--from-csv", "axial.csv", "-o", "believed.csv", "--quiet", folder=folder)
     runs = ["axial.csv", "lateral.csv"]
     commands = {
-        "rigidity": ["axial.csv", "--model", "device.toml"],
-        "fit": [*runs, "--model", "believed.toml"],
-        "diagnose": ["axial.csv", "--validate", "lateral.csv", "--model", "believed.toml"],
-        "inspect": ["axial.csv"],
-        "compare": ["axial.csv", "believed.csv", "--model", "device.toml"],
-        "surface": ["axial.csv", "--connection", 4, "--axis", "z"],
-        "single-axis": ["axial.csv", "--model", "device.toml"],
+        "rigidity": ["rigidity", "axial.csv", "--model", "device.toml"],
+        "fit": ["fit", *runs, "--model", "believed.toml"],
+        "element": ["fit", "axial.csv", "--model", "device.toml", "--connection", 4, "--axis", "z"],
+        "diagnose": ["diagnose", "axial.csv", "--validate", "lateral.csv", "--model", "believed.toml"],
+        "inspect": ["inspect", "axial.csv"],
+        "compare": ["compare", "axial.csv", "believed.csv", "--model", "device.toml"],
+        "surface": ["surface", "axial.csv", "--connection", 4, "--axis", "z"],
+        "single-axis": ["single-axis", "axial.csv", "--model", "device.toml"],
     }
     for name, arguments in commands.items():
-        call(identify, name, *arguments, "--report", f"{name}.html", folder=folder)
+        call(identify, *arguments, "--report", f"{name}.html", folder=folder)
     return [folder / f"{name}.html" for name in ["simulate", *commands]]
