@@ -106,7 +106,8 @@ void addRemainder(HtmlReport& page, const RunRemainder& run, const std::string& 
         "give, averaged with the test function of the equations. A complete model leaves noise: no trend in time, "
         "nothing that rises where the mount is driven, and beyond " +
         formatNumber(1e3 * run.overlap, 3) +
-        " ms, where averages have no samples in common, an autocorrelation within the lines.");
+        " ms, where averages have no samples in common, an autocorrelation within the lines; but the noise of "
+        "displacements that were fused with accelerations is itself correlated over some tens of milliseconds.");
     for (const WrenchPart& part : kParts) page.addPlot(plotTime(run, part));
     if (run.unexplained.cols() < kFewest) return;
     page.addPlots({plotSpectrum(run, kParts[0]), plotSpectrum(run, kParts[1]), plotAutocorrelation(run)});
