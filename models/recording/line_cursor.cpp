@@ -99,6 +99,14 @@ std::vector<std::string_view> splitFields(std::string_view line) {
     }
 }
 
+double estimateRows(std::string_view text) {
+    const std::string_view head = text.substr(0, 1U << 20U);
+    const auto ends = static_cast<double>(std::count(head.begin(), head.end(), '\n'));
+    const bool whole = head.size() == text.size();
+    if (whole) return ends + (text.empty() || text.back() == '\n' ? 0 : 1);
+    return ends * static_cast<double>(text.size()) / static_cast<double>(head.size());
+}
+
 std::vector<std::vector<double>> readNumberRows(LineCursor& lines, std::size_t columns, const std::string& file,
                                                 std::size_t most) {
     std::vector<std::vector<double>> values(columns);

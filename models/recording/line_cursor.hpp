@@ -30,6 +30,9 @@ private:
 /// Fields separated by tabs, which may be empty; without any tab in the line, by spaces. Outer spaces are taken off.
 std::vector<std::string_view> splitFields(std::string_view line);
 
+/// Rows of `text`, from its first megabyte.
+double estimateRows(std::string_view text);
+
 /// Rows of numbers up to the end of the text into columns; an empty field or `nan` becomes NaN. A field may hold
 /// several numbers separated by commas, as OpenSim writes vectors.
 /// @param columns how many numbers there are in a row; empty fields at the end may be missing

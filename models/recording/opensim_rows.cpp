@@ -1,6 +1,6 @@
 #include "models/recording/opensim_rows.hpp"
 
-#include <algorithm>
+#include <utility>
 
 #include "models/recording/utf8.hpp"
 
@@ -8,15 +8,6 @@ namespace wems {
 namespace {
 
 constexpr std::size_t kRowsAtOnce = 4096;
-
-/// Rows of `text`, from its first megabyte.
-double estimateRows(std::string_view text) {
-    const std::string_view head = text.substr(0, 1U << 20U);
-    const auto ends = static_cast<double>(std::count(head.begin(), head.end(), '\n'));
-    const bool whole = head.size() == text.size();
-    if (whole) return ends + (text.empty() || text.back() == '\n' ? 0 : 1);
-    return ends * static_cast<double>(text.size()) / static_cast<double>(head.size());
-}
 
 }  // namespace
 

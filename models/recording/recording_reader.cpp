@@ -119,7 +119,7 @@ std::unique_ptr<RowSource> openRows(const std::string& file, const ColumnMap* ma
             return std::make_unique<Hdf5Rows>(file, map);
         case Format::mat:
             throw InputError({file, 0, {}}, "a MATLAB file of version 4 or 5 is not read in blocks",
-                             "MATLAB 7.3, HDF5, CSV, UFF 58, OpenSim");
+                             "MATLAB 7.3, HDF5, CSV, UFF 58, OpenSim, LabVIEW .lvm");
         case Format::csv:
             break;
     }

@@ -1,5 +1,7 @@
 #include "models/recording/text_formats.hpp"
 
+#include "models/recording/lvm_reader.hpp"
+#include "models/recording/lvm_rows.hpp"
 #include "models/recording/opensim_reader.hpp"
 #include "models/recording/opensim_rows.hpp"
 #include "models/recording/uff_reader.hpp"
@@ -18,6 +20,7 @@ std::unique_ptr<RowSource> openAs(const std::string& file, const ColumnMap* map)
 const std::vector<TextFormat>& textFormats() {
     static const std::vector<TextFormat> formats{
         {isTrc, readTrc, openAs<OpensimRows>, {".trc"}, "a line that begins with PathFileType"},
+        {isLvm, readLvm, openAs<LvmRows>, {".lvm"}, "a line that begins with LabVIEW Measurement"},
         {isUniversalFile,
          readUniversalFile,
          openAs<UffRows>,

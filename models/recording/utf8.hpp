@@ -40,6 +40,26 @@ inline std::string decodeUtf16(std::string_view text) {
     return decoded;
 }
 
+/// True if `text` is UTF-8 as far as its lead and trailing bytes tell.
+inline bool isUtf8(std::string_view text) {
+    for (std::size_t i = 0; i < text.size();) {
+        const auto lead = static_cast<unsigned char>(text[i++]);
+        if (lead < 0x80) continue;
+        if (lead < 0xC2 || lead > 0xF4) return false;
+        for (int more = lead < 0xE0 ? 1 : lead < 0xF0 ? 2 : 3; more > 0; --more, ++i)
+            if (i >= text.size() || (static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) return false;
+    }
+    return true;
+}
+
+/// Text that is no UTF-8 is taken for Latin-1.
+inline std::string decodeLatin1(std::string_view text) {
+    if (isUtf8(text)) return std::string(text);
+    std::string decoded;
+    for (const char c : text) appendUtf8(static_cast<unsigned char>(c), decoded);
+    return decoded;
+}
+
 /// `text` without the mark by which some programs begin a UTF-8 file.
 inline std::string_view skipByteOrderMark(std::string_view text) {
     if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);

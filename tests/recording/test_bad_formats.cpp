@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "models/error.hpp"
+#include "models/recording/lvm_reader.hpp"
 #include "models/recording/mat_extent.hpp"
 #include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_reader.hpp"
@@ -73,6 +74,31 @@ TEST_CASE("Damaged files of OpenSim are refused") {
                       Contains("'Rotation' is not read") && Contains("Vec3"));
     CHECK_THROWS_WITH(readStorage(replaced(sto, "endheader", "end header"), "run.sto"),
                       Contains("no line `endheader`"));
+}
+
+TEST_CASE("Damaged files of LabVIEW are refused") {
+    const std::string none = load("labview_no_times.lvm"), one = load("labview_one_time.lvm"),
+                      each = load("labview_each_time.lvm");
+    const std::string segment = each.substr(each.find("Channels"));
+    const auto c = GENERATE_COPY(values<Case>({
+        {none.substr(0, 300), "the file ends within a header"},
+        {replaced(one, "Separator,Comma", "Separator,Tab"), "Separator: is 'Tab'"},
+        {replaced(one, "Decimal_Separator,.", "Decimal_Separator,;"), "Decimal_Separator: is ';'"},
+        {replaced(one, "X_Columns,One", "X_Columns,Two"), "X_Columns: is 'Two'"},
+        {replaced(one, "X_Value,", "X,"), "does not begin with X_Value"},
+        {replaced(one, "Channels,3", "Channels,999999999"), "channels that the row of their names does not have"},
+        {replaced(one, "Channels,3", "Channels,-1"), "'-1' is no count"},
+        {replaced(one, "Time,Time", "Time,Frequency"), "X_Dimension: of 'A1' is 'Frequency'"},
+        {replaced(none, "\t0,001000", "\t0,002000"), "Delta_X: channel 2 has another one"},
+        {replaced(none, "0,001000\t0,001000\t0,001000", "0\t0\t0"), "the time step is not above zero"},
+        {replaced(none, "0,001000", "0,001x"), "Delta_X: '0,001x', of channel 1, is not a number"},
+        {replaced(one, "0.002000", "0.00x"), ":24: '0.00x', field 1 of the row, is not a number"},
+        {replaced(each, "\t0.002000", "\t0.002500"), ":24: channel 2 has another time"},
+        {replaced(one, "0.002000", "\n0.002000"), ":24: blank row inside the data"},
+        {each + "\r\n" + segment, ":55: a further segment begins"},
+    }));
+    INFO(c.problem);
+    CHECK_THROWS_WITH(readLvm(c.text, "run.lvm"), Contains("run.lvm") && Contains(c.problem));
 }
 
 TEST_CASE("MATLAB files whose sizes cannot be true are refused before memory is taken for them") {
@@ -157,7 +183,7 @@ TEST_CASE("MATLAB's store of objects, a variable without a name, is no column") 
 
 TEST_CASE("A name that promises another content") {
     const test::TemporaryFile file("time [s],mobile.1.x [m]\n0,1\n1,2\n");
-    const auto extension = GENERATE(as<std::string>(), ".trc", ".sto", ".mot", ".uff", ".unv", ".mat", ".h5");
+    const auto extension = GENERATE(as<std::string>(), ".trc", ".sto", ".mot", ".lvm", ".uff", ".unv", ".mat", ".h5");
     const std::string misnamed = file.path() + extension;
     std::filesystem::copy_file(file.path(), misnamed);
     CHECK_THROWS_WITH(readRecording(misnamed), Contains(misnamed));
@@ -174,7 +200,7 @@ TEST_CASE("A model given as a recording") {
 
 TEST_CASE("Every cut and every flipped byte of a text format is read or refused") {
     const auto name = GENERATE(as<std::string>(), "pyuff_ascii.uff", "pyuff_binary.uff", "markers.trc", "table.sto",
-                               "daq_preamble.csv");
+                               "labview_no_times.lvm", "labview_each_time.lvm", "daq_preamble.csv");
     const std::string good = load(name);
     const unsigned seed = 20240607;
     INFO(name << ", seed " << seed);

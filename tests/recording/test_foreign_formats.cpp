@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "models/error.hpp"
+#include "models/recording/lvm_reader.hpp"
 #include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "tests/recording/hdf5_sample.hpp"
@@ -55,8 +56,8 @@ Recording read(const std::string& name, const std::string& columns = {}, const s
     return readRecording(folder + name, &map);
 }
 
-const std::string lab_names =
-    "\"t\" = \"time\"\n\"LVDT top\" = \"mobile.1.z\"\nA1 = \"mobile.1.az\"\nForce = \"load.fz\"\n";
+const std::string lab_channels = "\"LVDT top\" = \"mobile.1.z\"\nA1 = \"mobile.1.az\"\nForce = \"load.fz\"\n";
+const std::string lab_names = "\"t\" = \"time\"\n" + lab_channels;
 
 struct Sample {
     std::string file, format, columns;
@@ -93,6 +94,9 @@ TEST_CASE("The same run out of every format") {
         {"pyuff_binary.uff", "UFF 58b", nodes, 1e-15},
         {"pyuff_binary_single.uff", "UFF 58b", nodes, 1e-15},  // says single precision, holds double
         {"big_endian_single.uff", "UFF 58b", nodes, 1e-7},
+        {"labview_no_times.lvm", "LabVIEW .lvm", lab_channels, 4e-6},
+        {"labview_one_time.lvm", "LabVIEW .lvm", lab_channels, 4e-6},
+        {"labview_each_time.lvm", "LabVIEW .lvm", lab_channels, 4e-6},
         {"table.sto", "OpenSim .sto", "ground_force_vy = \"load.fz\"\n", 1e-8},
         {"daq_preamble.csv", "CSV",
          "t = \"time\"\n'LVDT \"oben\"' = \"mobile.1.z\"\nA1 = \"mobile.1.az\"\n\"Kraft, axial\" = \"load.fz\"\n",
@@ -143,6 +147,20 @@ TEST_CASE("What is no channel is listed or kept as metadata") {
     CHECK(daq.unused_columns == std::vector<std::string>{"Channel"});
     REQUIRE(daq.warnings.size() == 1);
     CHECK_THAT(daq.warnings[0], Contains("row 7, between header and numbers, is not read"));
+
+    std::ifstream stream(folder + "labview_no_times.lvm", std::ios::binary);
+    std::string packets{std::istreambuf_iterator<char>(stream), {}};
+    CHECK(readLvm(packets, "run.lvm").warnings.empty());
+    packets.replace(packets.find("\t32"), 3, "\t16");
+    REQUIRE(readLvm(packets, "run.lvm").warnings.size() == 1);
+    CHECK_THAT(readLvm(packets, "run.lvm").warnings[0], Contains("packets of 16 samples stand on end"));
+
+    packets.replace(packets.find("Force"), 5, "Kr\xE4 (N)");  // Latin-1
+    CHECK(readLvm(packets, "run.lvm").columns.back().text == "Kr\u00E4 (N)");
+
+    const Recording labview = read("labview_each_time.lvm", lab_channels);
+    CHECK(labview.metadata.at("Operator") == "nobody");
+    CHECK(labview.first_row == 22);
 
     const Recording functions = read("pyuff_binary.uff", "\"12:+Z\" = \"mobile.1.z\"\n");
     REQUIRE(functions.warnings.size() == 1);

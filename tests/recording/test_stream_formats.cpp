@@ -49,6 +49,25 @@ std::string makeStorage(std::size_t rows, std::mt19937& random) {
     return text;
 }
 
+/// X_Columns No, One or Multi.
+std::string makeLvm(std::size_t rows, const std::string& times, std::mt19937& random) {
+    const std::string gap = times == "Multi" ? "\t\t" : "\t";
+    std::string text = "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t,\nX_Columns\t" + times +
+                       "\n***End_of_Header***\t\n\t\nChannels\t2\nSamples\t" +
+                       std::to_string(random() % 2 == 0 ? rows : rows / 2) + "\nY_Unit_Label\tmm" + gap + "N\nX0\t0,5" +
+                       gap + "0,5\nDelta_X\t9,765625E-4" + gap +
+                       "9,765625E-4\n***End_of_Header***\nX_Value\tmobile.1.z\t" +
+                       (times == "Multi" ? "X_Value\t" : "") + "load.fz\tComment\n";
+    for (std::size_t k = 0; k < rows; ++k) {
+        const std::string stamp = times == "No" ? "" : print("%.6f", 0.5 + static_cast<double>(k) / 1024);
+        std::string row = stamp + print("\t%.6f\t", draw(random)) + (times == "Multi" ? stamp + "\t" : "") +
+                          print("%.6f", draw(random));
+        std::replace(row.begin(), row.end(), '.', ',');
+        text += row + (k % 100 == 0 ? "\tlooked at\n" : "\n");
+    }
+    return text;
+}
+
 struct UffKind {
     bool binary, even, double_precision;
 };
@@ -136,6 +155,17 @@ TEST_CASE("Blocks of OpenSim's tables join to the whole recording") {
     checkBlocks(test::TemporaryFile(makeTrc(samples, random)).path(), nullptr, rows);
     checkBlocks(test::TemporaryFile(makeStorage(samples, random) + (random() % 2 == 0 ? "" : "\n\n")).path(), nullptr,
                 rows);
+}
+
+TEST_CASE("Blocks of LabVIEW's text files join to the whole recording") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const std::size_t samples = 10000 + random() % 10000, rows = 500 + random() % 12000;
+    const auto times = GENERATE(as<std::string>(), "No", "One", "Multi");
+    CAPTURE(samples, rows, times);
+    checkBlocks(test::TemporaryFile(makeLvm(samples, times, random) + (random() % 2 == 0 ? "" : "\n\n")).path(),
+                nullptr, rows);
 }
 
 TEST_CASE("Blocks of universal files join to the whole recording") {
@@ -251,6 +281,8 @@ TEST_CASE("What is wrong far inside a long recording is named as in a short one"
     const std::string storage = makeStorage(9000, random);
     fails(storage + "9.000\t1\tx\t1\n", nullptr, ":9005: 'x', number 3 of the row, is not a number");
     fails(storage + "\n9.000\t1\t1\t1\n", nullptr, ":9005: blank row inside the data");
+    const std::string labview = makeLvm(9000, "One", random);
+    fails(labview + "9,289062\t1\tx\n", nullptr, ":9014: 'x', field 3 of the row, is not a number");
     const ColumnMap map = parseColumnMap(uffColumns(), "map.toml");
     const std::string uff = makeUff(9000, {false, true, true}, random);
     fails(uff.substr(0, uff.size() - 5000), &map, "the file ends within a dataset 58");

@@ -94,3 +94,46 @@ def write_big_endian(name):
 
 
 write_big_endian("big_endian_single.uff")
+
+
+# LabVIEW's text file by hand, from National Instruments' specification. Its own reader is not at hand; lvm_read 1.26 finds the same numbers in them.
+def write_lvm(name, times, separator, decimal, end):
+    word = {"\t": "Tab", ",": "Comma"}[separator]
+    channels = (("LVDT top", "mm", z), ("A1", "g", az), ("Force", "kN", fz))
+    rows = [["LabVIEW Measurement"], ["Writer_Version", "2"], ["Reader_Version", "2"], ["Separator", word],
+            ["Decimal_Separator", decimal], ["Multi_Headings", "No"], ["X_Columns", times], ["Time_Pref", "Absolute"],
+            ["Operator", "nobody"], ["Date", "2024/06/07"], ["Time", f"10:45:47{decimal}0352557312499836422"],
+            ["***End_of_Header***"], []]
+
+    def for_each(key, texts):  # a field for each channel, and one for each time where every channel has its own
+        gap = [""] if times == "Multi" else []
+        rows.append([key] + [field for i, text in enumerate(texts) for field in (gap if i else []) + [text]])
+
+    rows.append(["Channels", "3"])
+    for_each("Samples", ["32"] * 3)
+    for_each("Y_Unit_Label", [unit for _, unit, _ in channels])
+    for_each("X_Dimension", ["Time"] * 3)
+    for_each("X0", [f"0{decimal}0000000000000000E+0"] * 3)
+    for_each("Delta_X", [f"0{decimal}001000"] * 3)
+    rows.append(["***End_of_Header***"])
+    for_each("X_Value", [title for title, _, _ in channels])
+    if times == "Multi":
+        rows[-1] = [field if field else "X_Value" for field in rows[-1]]
+    rows[-1].append("Comment")
+    for i in range(32):
+        stamp = {"No": "", "One": f"{time[i]:.6f}", "Multi": f"{time[i]:.6f}"}[times]
+        row = [stamp]
+        for j, (_, _, values) in enumerate(channels):
+            row += ([stamp] if j and times == "Multi" else []) + [f"{values[i]:.6f}"]
+        rows.append([field.replace(".", decimal) for field in row] + (["looked at"] if i == 7 else []))
+    width = len(rows[-1])  # of a row without comment
+    for row in rows[rows.index(["Channels", "3"]):]:
+        if row[0].startswith(("Channels", "Samples", "Y_Unit", "X_Dim", "X0", "Delta", "***")):
+            row += [""] * (width + 1 - len(row))
+    with open(folder / name, "w", newline="") as file:
+        file.write("".join(separator.join(row) + end for row in rows))
+
+
+write_lvm("labview_no_times.lvm", "No", "\t", ",", "\r\n")
+write_lvm("labview_one_time.lvm", "One", ",", ".", "\n")
+write_lvm("labview_each_time.lvm", "Multi", "\t", ".", "\r\n")
