@@ -89,6 +89,19 @@ private:
     double frequency_;
 };
 
+class HalfSine : public FadedSignal {
+public:
+    HalfSine(double pulse, double rest) : FadedSignal(pulse + rest, {}), pulse_(pulse) {}
+    double phase(double t) const override { return kPi * std::min(t / pulse_, 1.0); }
+    double frequency(double t) const override { return t <= pulse_ ? 0.5 / pulse_ : 0.0; }
+
+protected:
+    double unfadedValue(double t) const override { return t < pulse_ ? std::sin(phase(t)) : 0.0; }
+
+private:
+    double pulse_;
+};
+
 /// Sines of equal amplitude at multiples of 1/duration, so that they are orthogonal over the duration and the RMS is
 /// exactly one. A wide band is thinned to one line in each of `most_lines` equal parts, chosen at random: Gaussian
 /// enough, not periodic within the duration, and cheap.
@@ -153,6 +166,12 @@ std::unique_ptr<Signal> makeDwell(double frequency, double duration, Fade fade) 
     requirePositive("dwell", frequency, "Hz");
     requirePositive("duration", duration, "s");
     return std::make_unique<Dwell>(frequency, duration, fade);
+}
+
+std::unique_ptr<Signal> makeHalfSine(double pulse, double rest) {
+    requirePositive("half-sine", pulse, "s");
+    requirePositive("rest", rest, "s");
+    return std::make_unique<HalfSine>(pulse, rest);
 }
 
 std::unique_ptr<Signal> makeBandLimitedRandom(double f0, double f1, double duration, std::uint64_t seed, Fade fade) {

@@ -30,6 +30,8 @@ std::unique_ptr<Signal> makeLogarithmicSweep(double f0, double f1, double octave
 /// f(t) = f0 ± rate t, Hz per second.
 std::unique_ptr<Signal> makeLinearSweep(double f0, double f1, double hertz_per_second, Fade fade = {});
 std::unique_ptr<Signal> makeDwell(double frequency, double duration, Fade fade = {});
+/// A shock: sin(π t / T) for T = `pulse` s, then nothing for `rest` s. Its frequency is that of the sine, 1/(2 T).
+std::unique_ptr<Signal> makeHalfSine(double pulse, double rest);
 /// Stationary Gaussian noise in a band: a sum of sines with random phases from the seed, unit RMS; same seed, same
 /// signal.
 std::unique_ptr<Signal> makeBandLimitedRandom(double f0, double f1, double duration, std::uint64_t seed,

@@ -49,6 +49,14 @@ NamedSignal makeDwellSignal(const std::string& value, const SimulateOptions& opt
             "dwell at " + formatNumber(f[0]) + " Hz, " + formatNumber(f[1]) + " s"};
 }
 
+NamedSignal makeHalfSineSignal(const std::string& value, const SimulateOptions& options) {
+    const auto times = parseColons(value, 2, "--half-sine", "durations of pulse and rest in s, such as 0.011:1");
+    if (options.fade > 0)
+        throw InputError({"", 0, "--fade"}, "does not go with --half-sine", "an excitation that is no pulse");
+    return {makeHalfSine(times[0], times[1]), false,
+            "half sine of " + formatNumber(times[0]) + " s, then " + formatNumber(times[1]) + " s of rest"};
+}
+
 NamedSignal makeRandom(const std::string& value, const SimulateOptions& options) {
     const auto f = parseColons(value, 3, "--random", "band in Hz and duration in s, such as 5:50:60");
     return {makeBandLimitedRandom(f[0], f[1], f[2], options.seed, fadeOf(options)), false,
@@ -61,6 +69,8 @@ const std::vector<ExcitationKind>& excitationKinds() {
     static const std::vector<ExcitationKind> kinds{
         {"--sweep", "f0:f1", "sine sweep f0:f1 in Hz, downwards if f1 < f0", true, makeSweep},
         {"--dwell", "f:duration", "sine f:duration in Hz and s", false, makeDwellSignal},
+        {"--half-sine", "duration:rest", "shock, half a sine duration:rest in s, the rest following it", false,
+         makeHalfSineSignal},
         {"--random", "f0:f1:duration", "band-limited noise f0:f1:duration in Hz and s; levels are RMS", false,
          makeRandom}};
     return kinds;

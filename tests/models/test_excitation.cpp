@@ -54,6 +54,28 @@ TEST_CASE("fades rise and fall as raised cosines") {
     CHECK_THROWS_AS(makeDwell(40, 2, {-0.1, 0}), InputError);
 }
 
+TEST_CASE("half sine: its spectrum and its velocity step are the analytic ones, then there is rest") {
+    const double T = 0.011, rest = 0.2;
+    const auto signal = makeHalfSine(T, rest);
+    CHECK(signal->duration() == Approx(T + rest));
+    // ∫ sin(π t / T) exp(−i ω t) dt = (π / T) (1 + exp(−i ω T)) / ((π / T)² − ω²), by Simpson's rule.
+    for (const double f : {0.0, 7.0, 40.0, 100.0, 333.0}) {
+        const int steps = 2000;
+        const double h = T / steps, w = kTwoPi * f, p = kPi / T;
+        std::complex<double> spectrum = 0;
+        for (int i = 0; i <= steps; ++i) {
+            const double weight = i == 0 || i == steps ? 1 : i % 2 == 0 ? 2 : 4;
+            spectrum += weight * h / 3 * signal->value(h * i) * std::polar(1.0, -w * h * i);
+        }
+        const std::complex<double> expected = p * (1.0 + std::polar(1.0, -w * T)) / (p * p - w * w);
+        CAPTURE(f);
+        CHECK(std::abs(spectrum - expected) < 1e-9 * T);
+    }
+    CHECK(signal->value(T / 2) == Approx(1));
+    CHECK(signal->frequency(T / 3) == Approx(1 / (2 * T)));
+    for (const double t : {-1e-9, T, T + 1e-3, T + rest, T + rest + 1e-9}) CHECK(signal->value(t) == 0);
+}
+
 TEST_CASE("random: unit RMS, inside its band, the same for the same seed only") {
     const double T = 8, rate = 512;
     const auto signal = makeBandLimitedRandom(10, 40, T, 42), same = makeBandLimitedRandom(10, 40, T, 42),
@@ -93,6 +115,8 @@ TEST_CASE("excitation that makes no sense is refused") {
     CHECK_THROWS_AS(makeLogarithmicSweep(5, 5, 4), InputError);
     CHECK_THROWS_AS(makeLinearSweep(5, NAN, 4), InputError);
     CHECK_THROWS_AS(makeDwell(5, 0), InputError);
+    CHECK_THROWS_AS(makeHalfSine(0, 1), InputError);
+    CHECK_THROWS_AS(makeHalfSine(0.01, -1), InputError);
     CHECK_THROWS_AS(makeBandLimitedRandom(50, 5, 10, 1), InputError);
     CHECK_THROWS_AS(makeBandLimitedRandom(5.1, 5.2, 1, 1), InputError);
 }

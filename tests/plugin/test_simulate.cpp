@@ -51,6 +51,11 @@ TEST_CASE("wrong usage of simulate: one line, exit status 2, no file") {
         {smallsat, "--dwell", "5:1", "--force", "z=1", "--noise", "jerk=1"},
         {smallsat, "--dwell", "5:1", "--force", "z=1", "--noise", "displacement=-1"},
         {smallsat, "--dwell", "5:1", "--force", "z=1", "--no-such-option"},
+        {smallsat, "--half-sine", "0.011", "--force", "z=1"},
+        {smallsat, "--half-sine", "0.011:0", "--force", "z=1"},
+        {smallsat, "--half-sine", "0.011:1", "--rate", "4", "--force", "z=1"},
+        {smallsat, "--half-sine", "0.011:1", "--fade", "0.001", "--force", "z=1"},
+        {smallsat, "--half-sine", "0.011:1", "--dwell", "5:1", "--force", "z=1"},
         {smallsat, "--from-csv", "no_such_file.csv"},
         {"no_such_model.toml", "--dwell", "5:1", "--force", "z=1"},
         {single_axis, "--dwell", "5:1", "--force", "z=1"},  // no bracket: nothing that the force could move
