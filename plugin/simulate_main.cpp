@@ -96,11 +96,14 @@ void run(const SimulateOptions& options) {
             std::cerr << "simulate: note: " << note << "\n";
     }
     if (!options.report_file.empty()) writeHtmlSummary(description, options.report_file);
+    // Names of files need not be UTF-8.
+    const std::string json =
+        makeSummaryJson(description).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
     if (options.json_file == "-") {
-        std::cout << makeSummaryJson(description).dump(2) << "\n";
+        std::cout << json;
         return;
     }
-    if (!options.json_file.empty()) AtomicFile::write(options.json_file, makeSummaryJson(description).dump(2) + "\n");
+    if (!options.json_file.empty()) AtomicFile::write(options.json_file, json);
     if (!options.quiet) std::cout << formatSummary(description, styleOf(STDOUT_FILENO));
 }
 

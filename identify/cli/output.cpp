@@ -54,7 +54,8 @@ nlohmann::json numberOrNull(double value) {
 
 void writeJson(const nlohmann::json& result, const CommonOptions& options) {
     if (options.json_file.empty()) return;
-    const std::string text = result.dump(2) + "\n";
+    // Names of files need not be UTF-8.
+    const std::string text = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
     if (options.json_file == "-") {
         std::cout << text;
     } else {

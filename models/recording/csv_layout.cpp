@@ -8,6 +8,7 @@
 
 #include "models/error.hpp"
 #include "models/recording/column_selection.hpp"
+#include "models/recording/utf8.hpp"
 #include "models/units.hpp"
 
 namespace wems {
@@ -176,7 +177,8 @@ private:
             return std::string(text.substr(first, text.find_last_not_of(outer) - first + 1));
         };
         const std::string name = marked ? std::string(trimCsvField(key)) : trim(key);
-        if (!name.empty()) layout_.metadata[name] = marked ? std::string(trimCsvField(value)) : trim(value);
+        if (!name.empty())
+            layout_.metadata[decodeLatin1(name)] = decodeLatin1(marked ? trimCsvField(value) : trim(value));
     }
 
     /// Rows without any number: units, or descriptions that nobody here needs.
@@ -193,9 +195,9 @@ private:
                 for (const auto& field : fields) layout_.units.push_back(stripBrackets(field));
                 layout_.units.resize(layout_.headers.size());
             } else {
-                layout_.warnings.push_back("row " + std::to_string(layout_.first_row) +
-                                           ", between header and numbers, is not read: " +
-                                           std::string(row.substr(0, 60)) + (row.size() > 60 ? " …" : ""));
+                layout_.warnings.push_back(
+                    "row " + std::to_string(layout_.first_row) +
+                    ", between header and numbers, is not read: " + cutUtf8(decodeLatin1(row), 60));
             }
             rest_ = ahead;
             ++layout_.first_row;
@@ -233,6 +235,7 @@ bool splitCsvRow(std::string_view row, char separator, std::vector<std::string>&
     bool quoted = false, was_quoted = false;
     const auto finishField = [&] {
         if (!was_quoted) fields.back() = std::string(trimCsvField(fields.back()));
+        if (!isUtf8(fields.back())) fields.back() = decodeLatin1(fields.back());
     };
     for (std::size_t i = 0; i < row.size(); ++i) {
         const char c = row[i];

@@ -9,13 +9,14 @@
 #include <optional>
 
 #include "models/error.hpp"
-#include "models/recording/utf8.hpp"
+#include "models/format_number.hpp"
 
 namespace wems {
 namespace {
 
 constexpr std::string_view kEndOfHeader = "***End_of_Header***";
 constexpr std::size_t kLongestQuote = 40;  // characters of a file in a message
+constexpr double kNotableStepError = 1e-5;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 using Settings = std::map<std::string, std::vector<std::string>>;
@@ -26,12 +27,12 @@ std::string_view trimField(std::string_view text) {
     return text.substr(first, text.find_last_not_of(" \r\t") - first + 1);
 }
 
-/// Fields of a row of a header, trimmed, as UTF-8: LabVIEW writes in the code page of its computer.
+/// Fields of a row of a header, trimmed.
 std::vector<std::string> splitRow(std::string_view line, char separator) {
     std::vector<std::string> fields;
     for (;;) {
         const auto end = line.find(separator);
-        fields.push_back(decodeLatin1(trimField(line.substr(0, end))));
+        fields.emplace_back(trimField(line.substr(0, end)));
         if (end == std::string_view::npos) return fields;
         line.remove_prefix(end + 1);
     }
@@ -121,6 +122,19 @@ double readShared(const Settings& segment, const std::string& key, const LvmRowF
         shared = value;
     }
     return *shared;
+}
+
+/// LabVIEW writes the step with few decimals, 0.000977 for 1/1024 s: the share that rounding may be wrong by, half a
+/// unit of the last digit. None where the rate is a whole number, which is hardly chance.
+double calcStepError(const std::string& text, const LvmRowForm& form) {
+    constexpr double whole = 1e-9;
+    const double rate = 1 / form.interval;
+    if (std::abs(rate - std::round(rate)) < whole * rate) return 0;
+    const auto mantissa = text.substr(0, text.find_first_of("eE"));
+    const auto point = mantissa.find(form.decimal);
+    const double decimals = point == std::string::npos ? 0 : static_cast<double>(mantissa.size() - point - 1);
+    const auto exponent = mantissa.size() < text.size() ? parseNumber(text.substr(mantissa.size() + 1), '.') : 0.0;
+    return 0.5 * std::pow(10, exponent.value_or(0) - decimals) / form.interval;
 }
 
 void readChannels(const Settings& segment, const std::vector<std::string>& names, LvmHeader& header) {
@@ -228,6 +242,10 @@ LvmHeader readLvmHeader(LineCursor& lines, const std::string& file) {
         header.form.interval = readShared(segment, "Delta_X", header.form, location);
         if (!(header.form.interval > 0))
             throw InputError({file, table.header_row, "Delta_X"}, "the time step is not above zero");
+        const std::string step = valueOf(segment, "Delta_X", header.form.fieldOf(0));
+        if (const double error = calcStepError(step, header.form); error > kNotableStepError)
+            table.warnings.push_back("Delta_X " + step + " is rounded: the sampling rate is known to " +
+                                     formatNumber(100 * error, 2) + " % only");
     }
     if (header.form.times == LvmRowForm::Times::none) {
         const auto packet = parseNumber(valueOf(segment, "Samples"), '.');

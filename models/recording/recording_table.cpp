@@ -6,6 +6,7 @@
 
 #include "models/error.hpp"
 #include "models/recording/recording_checks.hpp"
+#include "models/recording/utf8.hpp"
 
 namespace wems {
 namespace {
@@ -92,7 +93,25 @@ void finishRecording(Recording& recording, const ColumnMap* map, bool positions)
     finishBlock(recording, map, positions, alone);
 }
 
+namespace {
+
+/// Names of some writers are in the code page of their computer.
+void decodeNames(RecordingTable& table) {
+    for (OfferedColumn& column : table.columns) {
+        column.text = decodeLatin1(column.text);
+        if (column.unit) column.unit = decodeLatin1(*column.unit);
+        for (auto& alias : column.aliases) alias = decodeLatin1(alias);
+    }
+    std::map<std::string, std::string> metadata;
+    for (const auto& [key, value] : table.metadata) metadata[decodeLatin1(key)] = decodeLatin1(value);
+    table.metadata = std::move(metadata);
+    for (auto& warning : table.warnings) warning = decodeLatin1(warning);
+}
+
+}  // namespace
+
 TablePlan planTable(RecordingTable& table, const ColumnMap* map) {
+    decodeNames(table);
     ColumnSelection selection = selectColumns(table.columns, table.file, table.header_row, map, table.missing_unit);
     TablePlan plan;
     Recording& recording = plan.recording;

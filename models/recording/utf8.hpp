@@ -40,14 +40,21 @@ inline std::string decodeUtf16(std::string_view text) {
     return decoded;
 }
 
-/// True if `text` is UTF-8 as far as its lead and trailing bytes tell.
+/// True if `text` is UTF-8: no overlong codes, no surrogates, none beyond U+10FFFF (Unicode, table 3-7).
 inline bool isUtf8(std::string_view text) {
     for (std::size_t i = 0; i < text.size();) {
         const auto lead = static_cast<unsigned char>(text[i++]);
         if (lead < 0x80) continue;
         if (lead < 0xC2 || lead > 0xF4) return false;
-        for (int more = lead < 0xE0 ? 1 : lead < 0xF0 ? 2 : 3; more > 0; --more, ++i)
-            if (i >= text.size() || (static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) return false;
+        unsigned char lowest = lead == 0xE0 ? 0xA0 : lead == 0xF0 ? 0x90 : 0x80;  // of the second byte
+        unsigned char highest = lead == 0xED ? 0x9F : lead == 0xF4 ? 0x8F : 0xBF;
+        for (int more = lead < 0xE0 ? 1 : lead < 0xF0 ? 2 : 3; more > 0; --more, ++i) {
+            if (i >= text.size()) return false;
+            const auto byte = static_cast<unsigned char>(text[i]);
+            if (byte < lowest || byte > highest) return false;
+            lowest = 0x80;
+            highest = 0xBF;
+        }
     }
     return true;
 }
@@ -58,6 +65,13 @@ inline std::string decodeLatin1(std::string_view text) {
     std::string decoded;
     for (const char c : text) appendUtf8(static_cast<unsigned char>(c), decoded);
     return decoded;
+}
+
+/// The first `most` bytes of UTF-8 text, fewer where a character would be cut, and `…` where more follows.
+inline std::string cutUtf8(const std::string& text, std::size_t most) {
+    if (text.size() <= most) return text;
+    while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0U) == 0x80U) --most;
+    return text.substr(0, most) + " …";
 }
 
 /// `text` without the mark by which some programs begin a UTF-8 file.

@@ -8,6 +8,7 @@
 #include "models/recording/lvm_reader.hpp"
 #include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_reader.hpp"
+#include "models/recording/utf8.hpp"
 #include "tests/recording/hdf5_sample.hpp"
 #include "tests/recording/temporary_file.hpp"
 
@@ -132,6 +133,36 @@ TEST_CASE("MATLAB 7.3 keeps its objects as places in a store of its own, which a
     CHECK_THAT(recording.warnings[0], Contains("sweep is complex, sparse, an object or empty, and is not read"));
 }
 
+TEST_CASE("Names in the code page of a computer become UTF-8, what is UTF-8 stays") {
+    const auto [letter, written] =
+        GENERATE(table<std::string, std::string>({{"\xB0", "\u00B0"}, {"\u00B0", "\u00B0"}, {"\u20AC", "\u20AC"}}));
+    const auto header =
+        GENERATE(as<std::string>(), "# by: @\ntime [s],mobile.1.z [m],T @ [C]\n",
+                 "by: @\nabout @\ntime [s],mobile.1.z [m],T @ [C]\n", "by @\nendheader\ntime\tmobile.1.z\tT @\n");
+    std::string text = header;
+    for (auto at = text.find('@'); at != std::string::npos; at = text.find('@', at)) text.replace(at, 1, letter);
+    const char separator = text.find('\t') == std::string::npos ? ',' : '\t';
+    for (int k = 0; k < 20; ++k)
+        text += std::to_string(k) + separator + std::to_string(k % 3) + separator + std::to_string(k % 5) + "\n";
+    const Recording recording = readRecording(test::TemporaryFile(text).path());
+    CAPTURE(text);
+    REQUIRE(recording.unused_columns.size() == 1);
+    CHECK_THAT(recording.unused_columns[0], Contains("T " + written));
+    if (separator == ',') CHECK(recording.metadata.at("by") == written);
+    for (const auto& name : recording.unused_columns) CHECK(isUtf8(name));
+    for (const auto& [key, value] : recording.metadata) CHECK((isUtf8(key) && isUtf8(value)));
+}
+
+TEST_CASE("UTF-8 is told from what is not, and cut between characters") {
+    for (const char* good : {"", "plain", "\u00B0", "\u20AC", "\U0001F600"}) CHECK(isUtf8(good));
+    for (const char* bad :
+         {"\xB0", "\xC3", "\xC0\x80", "\xE0\x80\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80", "a\xE2\x82"})
+        CHECK_FALSE(isUtf8(bad));
+    CHECK(cutUtf8("ab\u20AC", 3) == "ab …");
+    CHECK(cutUtf8("ab\u20AC", 5) == "ab\u20AC");
+    CHECK(decodeLatin1("\xE9\xFF") == "\u00E9\u00FF");
+}
+
 TEST_CASE("What is no channel is listed or kept as metadata") {
     const Recording vectors = read("scipy_vectors.mat");
     CHECK(vectors.metadata.at("fs") == "1000");
@@ -155,8 +186,11 @@ TEST_CASE("What is no channel is listed or kept as metadata") {
     REQUIRE(readLvm(packets, "run.lvm").warnings.size() == 1);
     CHECK_THAT(readLvm(packets, "run.lvm").warnings[0], Contains("packets of 16 samples stand on end"));
 
-    packets.replace(packets.find("Force"), 5, "Kr\xE4 (N)");  // Latin-1
-    CHECK(readLvm(packets, "run.lvm").columns.back().text == "Kr\u00E4 (N)");
+    // 1/1024 s as LabVIEW writes it is 0.05 % off; the rate of 1000 Hz that stands there is taken at its word.
+    for (auto at = packets.find("0,001000"); at != std::string::npos; at = packets.find("0,001000"))
+        packets.replace(at, 8, "0,000977");
+    CHECK_THAT(readLvm(packets, "run.lvm").warnings[0],
+               Contains("Delta_X 0,000977 is rounded: the sampling rate is known to 0.051 % only"));
 
     const Recording labview = read("labview_each_time.lvm", lab_channels);
     CHECK(labview.metadata.at("Operator") == "nobody");
