@@ -91,12 +91,6 @@ AxisForce::AxisForce(const AxisLaw& law) : law_(law), static_stiffness_(law.stif
     }
 }
 
-bool AxisForce::isElastic() const {
-    const bool lossy_stop =
-        std::any_of(contacts_.begin(), contacts_.end(), [](const Contact& stop) { return stop.dissipation != 0; });
-    return law_.damping == 0 && law_.drift == 0 && !law_.friction && branches_.empty() && !lossy_stop;
-}
-
 double AxisForce::calcForce(double q, double v, double t, const double* z) const {
     double f = (calcElastomerStiffness(t) + law_.cubic * q * q) * q + law_.damping * v;
     for (const Contact& stop : contacts_) {

@@ -102,9 +102,6 @@ public:
     /// Number of internal states: Maxwell branches first, then the bristle deflection if friction has presliding.
     int stateCount() const { return static_cast<int>(branches_.size()) + (bristle_ ? 1 : 0); }
 
-    /// True if the force depends on nothing but q (no damping, no states, no dissipation, no drift).
-    bool isElastic() const;
-
     /// f (N). @param z stateCount() internal states (m), may be null if there are none.
     double calcForce(double q, double v, double t, const double* z) const;
 

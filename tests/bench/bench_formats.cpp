@@ -91,6 +91,29 @@ const wems::ColumnMap& uffMap() {
     return map;
 }
 
+/// LabVIEW's text file; the time in the first column, or one before each channel.
+void writeLvm(const wems::Recording& run, const std::string& path, bool each) {
+    std::ofstream file(path, std::ios::binary);
+    file << "LabVIEW Measurement\nSeparator\tTab\nX_Columns\t" << (each ? "Multi" : "One")
+         << "\n***End_of_Header***\n\nChannels\t" << run.channels.size() << "\nY_Unit_Label";
+    const char* gap = each ? "\t" : "";
+    for (std::size_t c = 0; c < run.channels.size(); ++c) file << (c > 0 ? gap : "") << "\tm";
+    file << "\n***End_of_Header***\nX_Value";
+    for (std::size_t c = 0; c < run.channels.size(); ++c)
+        file << (c > 0 && each ? "\tX_Value" : "") << "\t" << run.channels[c].name;
+    file << "\tComment\n";
+    char number[32];
+    for (std::size_t k = 0; k < run.time.size(); ++k) {
+        for (std::size_t c = 0; c < run.channels.size(); ++c) {
+            std::snprintf(number, sizeof number, "%s%.6f", c > 0 ? "\t" : "", run.time[k]);
+            file << (c == 0 || each ? number : "");
+            std::snprintf(number, sizeof number, "\t%.9f", run.channels[c].values[k]);
+            file << number;
+        }
+        file << "\n";
+    }
+}
+
 void readFile(benchmark::State& state, const std::string& path, const wems::ColumnMap* map) {
     while (state.KeepRunning()) benchmark::DoNotOptimize(wems::readRecording(path, map));
     state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations()) *
@@ -109,6 +132,12 @@ void benchUff(benchmark::State& state, bool binary) {
     readFile(state, file.path(), &uffMap());
 }
 
+void benchLvm(benchmark::State& state, bool each) {
+    const TemporaryRun file(".lvm");
+    writeLvm(makeRun(100000), file.path(), each);
+    readFile(state, file.path(), nullptr);
+}
+
 void benchGiven(benchmark::State& state, const char* variable) {
     const char* path = std::getenv(variable);
     if (path == nullptr) {
@@ -123,6 +152,8 @@ BENCHMARK_CAPTURE(benchOwnWriter, trc, ".trc")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(benchOwnWriter, sto, ".sto")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(benchUff, ascii, false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(benchUff, binary, true)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(benchLvm, one_time, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(benchLvm, each_time, true)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(benchGiven, matlab5, "WEMS_BENCH_MAT5")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(benchGiven, matlab7_compressed, "WEMS_BENCH_MAT7")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(benchGiven, matlab73, "WEMS_BENCH_MAT73")->Unit(benchmark::kMillisecond);

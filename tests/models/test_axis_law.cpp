@@ -31,7 +31,6 @@ TEST_CASE("trilinear law is the published one, by hand") {
     law.stops = {{Side::positive, 0.002, 5000, 0}, {Side::negative, 0.001, 7000, 0}};
     const AxisForce force(law);
     REQUIRE(force.stateCount() == 0);
-    CHECK(force.isElastic());
     CHECK(force.calcForce(0.0015, 0.3, 1, nullptr) == Approx(1.5));
     CHECK(force.calcForce(0.003, 0.3, 1, nullptr) == Approx(3 + 5));
     CHECK(force.calcForce(-0.002, 0.3, 1, nullptr) == Approx(-2 - 7));
