@@ -23,6 +23,8 @@ struct CommonOptions {
     bool printsText() const { return !quiet && json_file != "-"; }
 };
 void addCommonOptions(CLI::App& command, CommonOptions& options);
+/// Those without --columns.
+void addResultOptions(CLI::App& command, CommonOptions& options);
 /// --quiet, which addCommonOptions() adds too
 void addQuietOption(CLI::App& command, bool& quiet);
 /// --geometry, of commands that know a model

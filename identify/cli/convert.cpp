@@ -5,6 +5,7 @@
 
 #include "identify/cli/command.hpp"
 #include "identify/cli/recordings.hpp"
+#include "identify/cli/written_recording.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
@@ -14,9 +15,9 @@ namespace wems::identify::cli {
 namespace {
 
 struct ConvertOptions {
-    std::string input, output, model, column_map;
+    CommonOptions common;
+    std::string input, output, model;
     int digits = 9;
-    bool quiet = false;
 };
 
 void runConvert(const ConvertOptions& options) {
@@ -26,9 +27,9 @@ void runConvert(const ConvertOptions& options) {
         const MountModel model = readMountModel(options.model);
         for (const Connection& connection : model.connections) write.rest[connection.name] = connection.position;
     }
-    std::optional<Progress> progress(std::in_place, !options.quiet);
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
     progress->step("reading " + options.input);
-    const std::optional<ColumnMap> map = readOptionalMap(options.column_map);
+    const std::optional<ColumnMap> map = readOptionalMap(options.common.column_map);
     const Recording recording = readRecording(options.input, map ? &*map : nullptr);
     progress->step("writing " + options.output, 0.55);
     const auto notes = writeRecording(recording, options.output, write);
@@ -36,9 +37,13 @@ void runConvert(const ConvertOptions& options) {
     for (const auto& warning : recording.warnings)
         std::cerr << "identify: " << recording.file << ": " << warning << "\n";
     for (const auto& note : notes) std::cerr << "identify: " << options.output << ": " << note << "\n";
-    if (options.quiet) return;
-    std::cout << options.output << ": " << recording.channels.size() << " channels, " << recording.sampleCount()
-              << " samples from " << recording.format << "\n";
+    const std::string made = std::to_string(recording.channels.size()) + " channels, " +
+                             std::to_string(recording.sampleCount()) + " samples from " + recording.format;
+    std::vector<std::string> noticed = recording.warnings;
+    noticed.insert(noticed.end(), notes.begin(), notes.end());
+    reportWritten({recording, options.output, options.input + ": " + made, noticed}, {}, options.common);
+    if (!options.common.printsText()) return;
+    std::cout << options.output << ": " << made << "\n";
     if (!recording.unused_columns.empty()) {
         std::cout << "not a channel:";
         for (const auto& column : recording.unused_columns) std::cout << " '" << column << "'";
@@ -53,11 +58,10 @@ void addConvertCommand(CLI::App& app, int& /*exit_status*/) {
     auto options = std::make_shared<ConvertOptions>();
     addInputFile(*command, "input", options->input, std::string("recording (") + kReadableFormats + ")")->required();
     addOutputFile(*command, "output", options->output, ".csv, .trc, .sto or .mot")->required();
-    addInputFile(*command, "--columns", options->column_map, "TOML that maps your column names to channel names");
     addInputFile(*command, "--model", options->model, "mount model: markers in .trc stand where its connections are");
     command->add_option("--digits", options->digits, "significant digits of values (default 9)")
         ->check(CLI::Range(1, 17));
-    addQuietOption(*command, options->quiet);
+    addCommonOptions(*command, options->common);
     command->footer("Example:\n  identify convert shaker.mat run.csv --columns map.toml");
     command->callback([options] { runConvert(*options); });
 }

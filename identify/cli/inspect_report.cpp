@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
+#include "identify/cli/channel_groups.hpp"
 #include "identify/cli/command.hpp"
 #include "identify/motion/spectrum.hpp"
 #include "models/report/html_report.hpp"
@@ -15,15 +17,6 @@ constexpr Eigen::Index report_lines = 512;  // of a picture, not of an analysis
 constexpr double degrees = 180 / 3.14159265358979323846;
 
 constexpr double least_share = 0.01;  // of an amplitude in the largest of its picture, for its phase to mean something
-
-/// In what a channel is shown: displacements of mounts are read in millimetres.
-struct ShownUnit {
-    std::string name;
-    double factor;
-};
-ShownUnit showUnit(const std::string& unit) {
-    return unit == "m" ? ShownUnit{"mm", 1e3} : ShownUnit{unit, 1};
-}
 
 std::string describeDrive(const SweptFrequency& swept) {
     if (swept.source.empty()) return "no drive is visible";
@@ -100,31 +93,6 @@ std::vector<std::string> makeSentences(const Inspection& inspection, const Recor
     for (const Finding& finding : inspection.findings) lines.push_back("Suspicious: " + finding.message);
     for (const auto& ability : inspection.abilities) lines.push_back("Identification: " + ability);
     return lines;
-}
-
-/// Channels of one part and one unit share a picture.
-struct ChannelGroup {
-    std::string title;
-    ShownUnit unit;
-    std::vector<std::size_t> members;
-};
-
-std::string nameQuantity(const std::string& unit) {
-    if (unit == "m") return "displacement";
-    if (unit == "m/s") return "velocity";
-    return unit == "m/s^2" ? "acceleration" : unit == "N" ? "force" : unit;
-}
-
-std::vector<ChannelGroup> groupChannels(const Inspection& inspection) {
-    std::vector<ChannelGroup> groups;
-    for (std::size_t i = 0; i < inspection.channels.size(); ++i) {
-        const ChannelStatistics& channel = inspection.channels[i];
-        const std::string title = channel.name.substr(0, channel.name.find('.')) + ", " + nameQuantity(channel.unit);
-        auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.title == title; });
-        if (group == groups.end()) group = groups.insert(group, {title, showUnit(channel.unit), {}});
-        group->members.push_back(i);
-    }
-    return groups;
 }
 
 /// Amplitudes of one order over the swept frequency.
@@ -223,7 +191,9 @@ void InspectReport::add(const Inspection& inspection, const Recording& recording
     const Table table = makeTable(inspection);
     page_->addList(makeSentences(inspection, recording));
     page_->addTable(table.header(), table.rows());
-    const auto groups = groupChannels(inspection);
+    std::vector<std::pair<std::string, std::string>> names;
+    for (const ChannelStatistics& channel : inspection.channels) names.emplace_back(channel.name, channel.unit);
+    const auto groups = groupChannels(names);
     for (const ChannelGroup& group : groups)
         if (!inspection.orders.tracks.empty()) addOrderPlots(inspection, group, *page_);
     for (const ChannelGroup& group : groups) addSpectra(inspection, group, *page_);

@@ -12,11 +12,15 @@
 
 namespace wems::identify::cli {
 
-void addCommonOptions(CLI::App& command, CommonOptions& options) {
+void addResultOptions(CLI::App& command, CommonOptions& options) {
     addOutputFile(command, "--json", options.json_file, "write the result as JSON to FILE (- for standard output)",
                   true);
     addOutputFile(command, "--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
     addQuietOption(command, options.quiet);
+}
+
+void addCommonOptions(CLI::App& command, CommonOptions& options) {
+    addResultOptions(command, options);
     addInputFile(command, "--columns", options.column_map, "TOML that maps your column names to channel names");
 }
 

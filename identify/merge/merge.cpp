@@ -54,9 +54,10 @@ void describeAlignment(const Alignment& found, const Recording& recording, std::
 
 }  // namespace
 
-Recording merge(const std::vector<Recording>& recordings, const MergeOptions& options) {
+MergedRecording merge(const std::vector<Recording>& recordings, const MergeOptions& options) {
     if (recordings.size() < 2) throw InputError({}, "one recording alone cannot be merged", "two or more");
-    Recording result;
+    MergedRecording merged;
+    Recording& result = merged.recording;
     std::vector<Recording> uniform;
     std::vector<double> shifts;
     double interval = options.rate > 0 ? 1 / options.rate : 0;
@@ -78,6 +79,11 @@ Recording merge(const std::vector<Recording>& recordings, const MergeOptions& op
             shift = found.shift;
         }
         shifts.push_back(shift);
+        if (!options.common.empty()) {
+            merged.common.push_back(
+                {recording.file, takeSignal(uniform.back(), findCommon(uniform.back(), options.common))});
+            merged.common.back().signal.start += shift;
+        }
         from = std::max(from, uniform.back().time.front() + shift);
         to = std::min(to, uniform.back().time.back() + shift);
         if (options.rate <= 0) interval = std::max(interval, uniform.back().sampleInterval());
@@ -100,17 +106,17 @@ Recording merge(const std::vector<Recording>& recordings, const MergeOptions& op
             signal.start += shifts[i];
             const bool as_it_is = std::abs(signal.interval - interval) < 1e-9 * interval &&
                                   std::abs(signal.start - from) < 1e-9 * interval;
-            Channel merged = channel;
-            merged.column = static_cast<int>(result.channels.size()) + 2;
+            Channel resampled = channel;
+            resampled.column = static_cast<int>(result.channels.size()) + 2;
             if (as_it_is) {
-                merged.values.resize(count);
+                resampled.values.resize(count);
             } else {
-                merged.values = resample(signal, from, interval, count).values;
+                resampled.values = resample(signal, from, interval, count).values;
             }
-            result.channels.push_back(std::move(merged));
+            result.channels.push_back(std::move(resampled));
         }
     }
-    return result;
+    return merged;
 }
 
 }  // namespace wems::identify

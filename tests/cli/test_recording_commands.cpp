@@ -73,6 +73,15 @@ TEST_CASE("convert and back, and merge of two systems") {
     CAPTURE(merged.output, merged.errors);
     CHECK(merged.exit_status == 0);
     CHECK_THAT(merged.output, Contains("b.csv: shifted by -17.25") && Contains("c.csv: 3 channels"));
+    const auto data = runProgram(
+        IDENTIFY_PROGRAM,
+        {"merge", "again.csv", "b.csv", "-o", "c.csv", "--common", "load.fz", "--json", "-", "--report", "merge.html"},
+        folder.path());
+    CHECK_THAT(data.output,
+               Contains("\"rate\": 400") && Contains("\"name\": \"mobile.2.z\"") && Contains("shifted by"));
+    CHECK_THAT(folder.list(), Catch::VectorContains(std::string("merge.html")));
+    const auto converted = runProgram(IDENTIFY_PROGRAM, {"convert", "a.csv", "e.csv", "--json", "-"}, folder.path());
+    CHECK_THAT(converted.output, Contains("\"samples\": 6000") && Contains("\"file\": \"e.csv\""));
     const auto apart = runProgram(IDENTIFY_PROGRAM, {"merge", "a.csv", "b.csv", "-o", "d.csv"}, folder.path());
     CHECK(apart.exit_status == 2);
     CHECK_THAT(apart.errors, Contains("no time in common"));

@@ -64,7 +64,7 @@ TEST_CASE("Two systems of different rate and clock come together on the first on
     const double clock = std::uniform_real_distribution<double>(-50, 50)(random);
     const Recording a = record("a.csv", -2, 21, 1000, 0, "mobile.1.z", 1, 0.003, random);
     const Recording b = record("b.mat", -1, 24, 317, clock, "mobile.1.az", 1.1, 0.003, random);
-    const Recording merged = merge({a, b}, {"load.fz", 0});
+    const Recording merged = merge({a, b}, {"load.fz", 0}).recording;
     CHECK(1 / merged.sampleInterval() == Approx(317));
     CHECK(merged.time.front() == Approx(-1).margin(2e-4));
     CHECK(merged.time.back() == Approx(21).margin(0.01));
@@ -94,7 +94,7 @@ TEST_CASE("Clocks that run apart are noticed") {
     const Recording a = record("a.csv", -2, 21, 1000, 0, "mobile.1.z", 1, 0.001, random);
     Recording b = record("b.csv", -1, 24, 500, 3, "mobile.1.az", 1, 0.001, random);
     for (double& t : b.time) t *= 1.0002;
-    const Recording merged = merge({a, b}, {"load.fz", 0});
+    const Recording merged = merge({a, b}, {"load.fz", 0}).recording;
     const bool noticed = std::any_of(merged.warnings.begin(), merged.warnings.end(), [](const std::string& note) {
         return note.find("clocks do not run alike") != std::string::npos;
     });

@@ -29,6 +29,8 @@ EXPECTED = {  # beginnings of titles
     "fit": ["Singular values", "Restoring force at 1.x", "Restoring force at 4.z", "Restoring force surface at",
             "Unexplained force", "Unexplained moment", "Spectrum of the force", "Autocorrelation"],
     "diagnose": ["Restoring force at 4.z", "Restoring force surface at", "Envelope of the motion", "Amplitude of order 3"],
+    "merge": ["Common channel load.fz", "mobile, displacement"],
+    "convert": ["mobile, displacement", "fixed, acceleration"],
     "element": ["Force over displacement"],
     "surface": ["Force over displacement", "Restoring force surface"],
     "inspect": ["Order 1 along the sweep", "Phase of order 1"],

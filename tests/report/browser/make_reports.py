@@ -19,8 +19,16 @@ def make_reports(simulate, identify, device, folder):
     call(simulate, "device.toml", *sweep, "--force", "z=600", "-o", "axial.csv", "--report", "simulate.html", folder=folder)
     call(simulate, "device.toml", *sweep, "--force", "x=120,y=150", "-o", "lateral.csv", folder=folder)
     call(simulate, "believed.toml", "--from-csv", "axial.csv", "-o", "believed.csv", "--quiet", folder=folder)
+    # A second system that recorded the load alone, half a second behind.
+    with open(folder / "axial.csv") as run, open(folder / "load.csv", "w") as load:
+        rows = [line.split(",") for line in run if not line.startswith("#")]
+        column = rows[0].index(next(name for name in rows[0] if name.startswith("load.fz")))
+        load.write("time [s],load.fz [N]\n")
+        load.writelines(f"{float(row[0]) + 0.5:.4f},{row[column].strip()}\n" for row in rows[1:])
     runs = ["axial.csv", "lateral.csv"]
     commands = {
+        "convert": ["convert", "axial.csv", "axial.sto"],
+        "merge": ["merge", "axial.csv", "load.csv", "-o", "merged.csv", "--common", "load.fz"],
         "rigidity": ["rigidity", "axial.csv", "--model", "device.toml"],
         "fit": ["fit", *runs, "--model", "believed.toml"],
         "element": ["fit", "axial.csv", "--model", "device.toml", "--connection", 4, "--axis", "z"],
