@@ -62,24 +62,24 @@ nlohmann::json formatComparison(const Comparison& comparison) {
     return result;
 }
 
-std::string formatPercent(double fraction) {
+std::string formatHundredths(double fraction) {
     return std::isfinite(fraction) ? formatNumber(100 * fraction, 3) : std::string("-");
 }
-std::string formatPercent(const std::optional<double>& fraction) {
-    return fraction ? formatPercent(*fraction) : std::string("-");
+std::string formatHundredths(const std::optional<double>& fraction) {
+    return fraction ? formatHundredths(*fraction) : std::string("-");
 }
 
 /// A channel that only trembles needs no digits.
 std::string formatShare(double share) {
-    return share < 1e-4 ? "< 0.01" : formatPercent(share);
+    return share < 1e-4 ? "< 0.01" : formatHundredths(share);
 }
 
 std::string describeError(const Comparison& comparison) {
-    std::string text = "error " + formatPercent(comparison.error) + " % of the measured relative displacement, " +
+    std::string text = "error " + formatHundredths(comparison.error) + " % of the measured relative displacement, " +
                        formatNumber(comparison.from, 5) + " to " + formatNumber(comparison.to, 5) + " s";
     if (comparison.free || comparison.contact)
-        text += "; free " + formatPercent(comparison.free) + " %, with a stop touched " +
-                formatPercent(comparison.contact) + " %";
+        text += "; free " + formatHundredths(comparison.free) + " %, with a stop touched " +
+                formatHundredths(comparison.contact) + " %";
     return text;
 }
 
@@ -91,13 +91,13 @@ Table makeTable(const Comparison& comparison) {
         header.push_back(formatNumber(band.from, 3) + "–" + formatNumber(band.to, 3) + " Hz");
     Table table(header);
     const auto addRow = [&](const ChannelError& channel) {
-        std::vector<std::string> row{channel.name, formatNumber(1e3 * channel.rms, 3), formatPercent(channel.error),
+        std::vector<std::string> row{channel.name, formatNumber(1e3 * channel.rms, 3), formatHundredths(channel.error),
                                      formatShare(channel.share)};
-        if (regimes) row.insert(row.end(), {formatPercent(channel.free), formatPercent(channel.contact)});
+        if (regimes) row.insert(row.end(), {formatHundredths(channel.free), formatHundredths(channel.contact)});
         for (const BandError& band : comparison.bands) {
             std::string cell = "-";
             for (const BandError& own : channel.bands)
-                if (own.from == band.from) cell = formatPercent(own.error);
+                if (own.from == band.from) cell = formatHundredths(own.error);
             row.push_back(cell);
         }
         table.addRow(row);
@@ -135,7 +135,7 @@ void writeReport(const Comparison& comparison, const CompareOptions& options) {
         }
     page.addPlot(plot);
     if (!left_out.empty())
-        page.addText("Not drawn, as they hold less than " + formatPercent(kLeastShareDrawn) +
+        page.addText("Not drawn, as they hold less than " + formatHundredths(kLeastShareDrawn) +
                      " % of the error:" + left_out);
     if (!comparison.notes.empty()) page.addHeading("How the motion was obtained");
     page.addList(comparison.notes);

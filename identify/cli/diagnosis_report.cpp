@@ -16,8 +16,6 @@
 namespace wems::identify::cli {
 namespace {
 
-constexpr std::size_t kMostDrawn = 3;  // runs, so that the page stays small
-
 /// What the verdict rests on, as a sentence that can be read alone.
 std::string describeErrors(const Diagnosis& diagnosis) {
     const auto group = diagnosis.validated ? &GroupError::validation : &GroupError::identification;

@@ -6,6 +6,7 @@
 #include "identify/cli/command.hpp"
 #include "identify/cli/device_scene.hpp"
 #include "identify/cli/fit_output.hpp"
+#include "identify/cli/judged_runs.hpp"
 #include "identify/cli/remainder_pictures.hpp"
 #include "identify/cli/restoring_forces.hpp"
 #include "identify/diagnose/slow_motion.hpp"
@@ -15,7 +16,6 @@
 namespace wems::identify::cli {
 namespace {
 
-constexpr std::size_t kMostDrawn = 3;        // runs, so that the page stays small
 constexpr std::size_t kMostDirections = 15;  // in the table, the weakest
 
 void addDirections(HtmlReport& page, const std::vector<ParameterDirection>& directions) {

@@ -11,6 +11,9 @@
 
 namespace wems::identify::cli {
 
+/// Runs that a report draws at most, so that the page stays small.
+inline constexpr std::size_t kMostDrawn = 3;
+
 /// Places in the palette of the plots.
 inline constexpr int kMeasuredColor = 6, kBeforeColor = 1, kAfterColor = 0, kNoiseColor = 2;
 

@@ -20,7 +20,7 @@ constexpr double kNearlyAsMuch = 0.04;
 constexpr double kStandsOut = 0.5;
 
 constexpr double kPromising = 0.25;  // of the least gain
-constexpr int kIterations = 6;
+constexpr int kTrialIterations = 6;
 
 /// `1.x` of `1.x` and `1.x.+`; empty for `body`, `mobile`, …
 std::string axisOf(const std::string& place) {
@@ -102,7 +102,7 @@ std::vector<FittedTrial> TrialFits::fitBest(const ParameterFit& present, const s
         trial.candidate.apply(start, chosen[i]->values);
         auto all = accepted;
         all.push_back(trial.candidate);
-        fit = fitParameters(identification_, start, collectKnobs(all), kIterations);
+        fit = fitParameters(identification_, start, collectKnobs(all), kTrialIterations);
         for (const auto& knob : trial.candidate.knobs) trial.values.push_back(knob.get(fit.model));
         trial.identification = fit.misfit;
         trial.validation = validation_.calcMisfit(fit.model);

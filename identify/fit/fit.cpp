@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "identify/fit/fit_report.hpp"
+#include "identify/fit/fit_result.hpp"
 #include "identify/fit/run_equations.hpp"
 #include "identify/fit/slow_offset.hpp"
 #include "identify/fit/stopwatch.hpp"
@@ -128,7 +128,7 @@ FitResult fitMount(const std::vector<RunMotion>& measured, const MountModel& mod
     watch.lap("least squares");
     const ParameterUncertainty uncertainty = removeSpuriousStops(solver);
     watch.lap("intervals");
-    reportFit(solver, solver.linearise(), uncertainty, options, result);
+    fillResult(solver, solver.linearise(), uncertainty, options, result);
     watch.lap("what is not known");
     return result;
 }

@@ -9,14 +9,14 @@
 namespace wems::identify {
 namespace {
 
-constexpr double kLeastShare = 0.3;  // of the largest member, to be written
+constexpr double kLeastMember = 0.3;  // of the largest member, to be written
 constexpr std::size_t kMostMembers = 4;
 
 std::string describe(const std::vector<Parameter>& parameters, const Eigen::VectorXd& direction) {
     const double largest = direction.cwiseAbs().maxCoeff();
     std::vector<int> members;
     for (Eigen::Index j = 0; j < direction.size(); ++j)
-        if (std::abs(direction[j]) >= kLeastShare * largest) members.push_back(static_cast<int>(j));
+        if (std::abs(direction[j]) >= kLeastMember * largest) members.push_back(static_cast<int>(j));
     std::stable_sort(members.begin(), members.end(),
                      [&](int a, int b) { return std::abs(direction[a]) > std::abs(direction[b]); });
     const bool cut = members.size() > kMostMembers;

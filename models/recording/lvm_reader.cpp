@@ -164,9 +164,9 @@ void readChannels(const Settings& segment, const std::vector<std::string>& names
 }
 
 /// The rows of one segment, taken apart in place.
-class RowParser {
+class LvmRowParser {
 public:
-    RowParser(const LvmRowForm& form, const std::string& file) : form_(form), file_(file), row_(1 + form.channels) {}
+    LvmRowParser(const LvmRowForm& form, const std::string& file) : form_(form), file_(file), row_(1 + form.channels) {}
 
     /// Time, then channels.
     const std::vector<double>& parse(std::string_view line, long number, std::size_t sample) {
@@ -258,7 +258,7 @@ LvmHeader readLvmHeader(LineCursor& lines, const std::string& file) {
 std::vector<std::vector<double>> readLvmRows(LineCursor& lines, const LvmRowForm& form, const std::string& file,
                                              std::size_t first_sample, std::size_t most) {
     std::vector<std::vector<double>> values(1 + form.channels);
-    RowParser parser(form, file);
+    LvmRowParser parser(form, file);
     for (std::size_t rows = 0; rows < most && !lines.atEnd(); ++rows) {
         const std::string_view line = lines.take();
         if (isBlank(line, form.separator)) {

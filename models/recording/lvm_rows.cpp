@@ -5,12 +5,6 @@
 #include "models/recording/utf8.hpp"
 
 namespace wems {
-namespace {
-
-constexpr std::size_t kRowsAtOnce = 4096;
-
-}  // namespace
-
 LvmRows::LvmRows(const std::string& file, const ColumnMap* map)
     : text_(file, TextFile::Pages::as_needed), lines_(skipByteOrderMark(text_.view())) {
     LvmHeader header = readLvmHeader(lines_, file);

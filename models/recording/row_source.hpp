@@ -11,6 +11,9 @@
 
 namespace wems {
 
+/// Rows that a source of text takes at a time.
+inline constexpr std::size_t kRowsAtOnce = 4096;
+
 /// The rows of a file, front to back, in memory that does not grow with the file.
 class RowSource {
 public:

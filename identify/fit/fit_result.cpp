@@ -1,4 +1,4 @@
-#include "identify/fit/fit_report.hpp"
+#include "identify/fit/fit_result.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -148,8 +148,8 @@ void warnOfMissingTerms(const Solver& solver, const ParameterUncertainty& uncert
 
 }  // namespace
 
-void reportFit(Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
-               const FitOptions& options, FitResult& result) {
+void fillResult(Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
+                const FitOptions& options, FitResult& result) {
     std::vector<Parameter> taking_part;
     for (const int p : system.parameters) taking_part.push_back(solver.parameters()[static_cast<std::size_t>(p)]);
     const Eigen::MatrixXd covariance = addGeometryError(system, uncertainty.makeCovariance(), options.geometry_error);

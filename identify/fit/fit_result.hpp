@@ -11,7 +11,7 @@
 namespace wems::identify {
 
 /// Fills parameters, not_identifiable, residual_fraction, model and notes of `result`.
-void reportFit(Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
-               const FitOptions& options, FitResult& result);
+void fillResult(Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
+                const FitOptions& options, FitResult& result);
 
 }  // namespace wems::identify
