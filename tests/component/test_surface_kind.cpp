@@ -43,8 +43,9 @@ TEST_CASE("The kind of a surface is named as it was made, over several draws") {
 TEST_CASE("The offset of a piecewise-linear force is the force at rest, within its interval in most draws") {
     const unsigned base = std::random_device{}();
     CAPTURE(base);
+    constexpr unsigned draws = test::kSanitized ? 3 : 20;
     int within = 0;
-    for (unsigned draw = 0; draw < 20; ++draw) {
+    for (unsigned draw = 0; draw < draws; ++draw) {
         std::mt19937 random(base + draw);
         const double offset = std::uniform_real_distribution<double>(-100.0, 100.0)(random);
         const auto kind = findKind(
@@ -57,7 +58,7 @@ TEST_CASE("The offset of a piecewise-linear force is the force at rest, within i
         CHECK(last.value == Approx(offset).margin(10));  // noise 8 N, correlated over 40 samples
         within += last.lower <= offset && offset <= last.upper ? 1 : 0;
     }
-    CHECK(within >= 14);  // fewer by chance alone: once in 30 000 at 95 %
+    CHECK(within >= (test::kSanitized ? 1 : 14));  // fewer by chance alone: once in 8 000, in 30 000 at 95 %
 }
 
 TEST_CASE("A slider behind a play is friction with a gap, a slider on a spring is not") {
