@@ -1,79 +1,88 @@
-// Draws a hidden case and writes what a diagnosis may see (base.toml, run1.csv, run2.csv, validate.csv) and the truth
-// (truth.toml, truth.json, plan.json).
-#include <algorithm>
+// Draws a hidden case: FOLDER/seen has what a diagnosis may see (believed.toml, bracket.csv, run1.csv, run2.csv,
+// validate.csv), FOLDER/truth.json, truth.toml and truth_bracket.csv the truth.
 #include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <nlohmann/json.hpp>
+#include <map>
+#include <optional>
+#include <stdexcept>
 
 #include "models/bracket_modes.hpp"
 #include "models/recording/csv_writer.hpp"
-#include "tests/hidden/random_case.hpp"
-#include "tests/hidden/truth_simulator.hpp"
+#include "tests/hidden/case_text.hpp"
+#include "tests/hidden/hidden_recording.hpp"
+#include "tests/hidden/time_scale.hpp"
 
 namespace {
 
 using namespace wems;
 using namespace wems::hidden;
 
-nlohmann::json formatTruth(const HiddenCase& hidden) {
-    auto causes = nlohmann::json::array();
-    for (const auto& effect : hidden.effects) {
-        nlohmann::json parameters = nlohmann::json::object();
-        for (const auto& [name, value] : effect.parameters)
-            parameters[name] = std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-        causes.push_back({{"cause", effect.cause}, {"where", effect.where}, {"parameters", parameters}});
-    }
-    nlohmann::json truth{{"class", hidden.kind},
-                         {"causes", causes},
-                         {"change", hidden.change},
-                         {"amplification", hidden.amplification},
-                         {"noise",
-                          {{"displacement", hidden.displacement_noise},
-                           {"acceleration", hidden.acceleration_noise},
-                           {"gain_scatter", hidden.gain_scatter}}}};
-    if (hidden.outside.kind != OutsideEffect::Kind::none)
-        truth["outside"] = {{"kind", formatKind(hidden.outside.kind)},
-                            {"where", std::to_string(hidden.outside.connection + 1) + "." + "xyz"[hidden.outside.axis]},
-                            {"size", hidden.outside.size}};
-    return truth;
+constexpr const char* kUsage =
+    "usage: hidden_case SEED INDEX FOLDER [--kind any|single|two|none|outside|CAUSE] [--level 0|1|2]\n"
+    "  [--set-up any|bracket|base|axis] [--sensors any|accelerations|displacements|both]\n"
+    "  [--excitation any|logarithmic|linear|random] [--time-scale any|FACTOR] [--tolerance yes|no]";
+
+struct Choice {
+    CaseOptions options;
+    bool tolerance = true;
+};
+
+/// Index of a word in a list, absent for `any`.
+std::optional<int> choose(const std::string& word, const std::vector<std::string>& accepted) {
+    for (std::size_t i = 0; i < accepted.size(); ++i)
+        if (word == accepted[i]) return static_cast<int>(i);
+    if (word == "any") return std::nullopt;
+    throw std::invalid_argument("unknown choice: " + word + "\n" + kUsage);
 }
 
-/// Scales an outside effect until it changes the motion as wanted.
-void scaleOutside(HiddenCase& hidden, Random& random) {
-    const double wanted = drawLog(random, 0.05, 0.35);
-    for (int i = 0; i < 4; ++i) {
-        double difference = 0, signal = 0;
-        for (std::size_t r = 1; r < 3; ++r) {
-            const auto markers = simulateTruth(hidden, r);
-            const Eigen::MatrixXd truth = markers.mobile - markers.fixed;
-            const Eigen::MatrixXd base = simulateRelative(hidden, hidden.base, r);
-            difference += (base - truth).squaredNorm();
-            signal += truth.squaredNorm();
-        }
-        hidden.change[0] = hidden.change[1] = std::sqrt(difference / signal);
-        if (std::abs(std::log(hidden.change[0] / wanted)) < 0.3) return;
-        hidden.outside.size *= std::clamp(wanted / hidden.change[0], 0.3, 3.0);
+Choice readChoice(int argc, char** argv, std::uint64_t index, Random& random) {
+    std::map<std::string, std::string> given;
+    for (int i = 4; i + 1 < argc; i += 2) given[argv[i]] = argv[i + 1];
+    const auto value = [&](const std::string& name, const std::string& absent) {
+        const auto found = given.find(name);
+        const std::string text = found == given.end() ? absent : found->second;
+        given.erase(name);
+        return text;
+    };
+    Choice choice;
+    CaseOptions& options = choice.options;
+    options.kind = value("--kind", "any");
+    if (options.kind == "any") {
+        const double u = drawUniform(random, 0, 1);
+        options.kind = u < 0.15   ? "none"
+                       : u < 0.27 ? "two"
+                       : u < 0.39 ? "outside"
+                                  : listCauses()[index % listCauses().size()];
     }
+    options.level = choose(value("--level", "0"), {"0", "1", "2"}).value_or(0);
+    const auto sensors = choose(value("--sensors", "any"), {"accelerations", "displacements", "both"});
+    if (sensors) options.sensors = static_cast<Sensors>(1 + *sensors);
+    options.set_up_kind = value("--set-up", "any");
+    if (const auto drawn = choose(value("--excitation", "any"), {"logarithmic", "linear", "random"}))
+        options.excitation = static_cast<Excitation>(*drawn);
+    const std::string scale = value("--time-scale", "any");
+    if (scale != "any") options.time_scale = std::stod(scale);
+    choice.tolerance = choose(value("--tolerance", "yes"), {"no", "yes"}).value_or(1) == 1;
+    if (!given.empty() || (argc - 4) % 2 != 0) throw std::invalid_argument(kUsage);
+    return choice;
 }
 
 struct RecordedCase {
     HiddenCase hidden;
-    std::array<Recording, 3> runs;
+    std::array<Recording, 3> runs;  // in unit time
 };
 
 /// One whose truth can be simulated, the first of those drawn one after the other.
-RecordedCase drawRecorded(const std::string& kind, std::uint64_t noise_seed, Random& random, Sensors sensors) {
+RecordedCase drawRecorded(const CaseOptions& options, std::uint64_t noise_seed, Random& random) {
     constexpr int kDraws = 20;
     for (int draw = 0; draw < kDraws; ++draw) {
-        RecordedCase drawn{drawCase(kind, random, sensors), {}};
-        if (kind != "none" && kind != "two" && kind != "outside") drawn.hidden.kind = "single";
+        RecordedCase drawn{drawCase(options, random), {}};
         try {
-            if (kind == "outside") scaleOutside(drawn.hidden, random);
             for (std::size_t r = 0; r < drawn.runs.size(); ++r)
-                drawn.runs.at(r) = recordForward(drawn.hidden, r, noise_seed);
+                drawn.runs.at(r) = recordRun(drawn.hidden, r, noise_seed);
             return drawn;
         } catch (const TruthDiverged&) {
             continue;
@@ -82,46 +91,64 @@ RecordedCase drawRecorded(const std::string& kind, std::uint64_t noise_seed, Ran
     throw TruthDiverged();
 }
 
-void run(std::uint64_t seed, std::uint64_t index, const std::string& folder, std::string kind, Sensors sensors) {
+/// @param without_faults as if no sensor had a hidden fault
+GroupErrors calcErrors(const RecordedCase& recorded, const MountModel& model, bool without_faults,
+                       std::uint64_t noise_seed) {
+    const HiddenCase& hidden = recorded.hidden;
+    ErrorSquares groups[2];
+    static const OutsideEffect none;
+    for (std::size_t r = 0; r < 3; ++r) {
+        const bool again = without_faults && !hidden.truth.sensors.empty();
+        const Recording recording = again ? recordRun(hidden, r, noise_seed, false) : recorded.runs.at(r);
+        const auto squares = calcError(hidden, r, model, without_faults ? hidden.outside : none, recording);
+        groups[r / 2].difference += squares.difference;
+        groups[r / 2].reference += squares.reference;
+    }
+    return {groups[0].error(), groups[1].error()};
+}
+
+void writeText(const std::string& file, const std::string& text) {
+    std::ofstream(file) << text;
+}
+
+void writeModel(const HiddenCase& hidden, const MountModel& model, const std::string& folder, const std::string& name,
+                const std::string& bracket, const std::string& addition) {
+    if (!model.bracket.empty())
+        writeText(folder + "/" + bracket, formatBracketModes(slowDown(model, hidden.time_scale).bracket));
+    writeText(folder + "/" + name, formatModel(hidden, model, bracket) + addition);
+}
+
+void run(int argc, char** argv) {
+    if (argc < 4) throw std::invalid_argument(kUsage);
+    const std::uint64_t seed = std::stoull(argv[1]), index = std::stoull(argv[2]);
+    const std::string folder = argv[3], seen = folder + "/seen";
     std::seed_seq sequence{seed, index};
     Random random(sequence);
-    if (kind == "any") {
-        const double u = drawUniform(random, 0, 1);
-        kind = u < 0.15 ? "none" : u < 0.3 ? "two" : u < 0.45 ? "outside" : listCauses()[index % listCauses().size()];
-    }
-    const auto [hidden, runs] = drawRecorded(kind, seed * 1000003 + index * 17, random, sensors);
-    std::filesystem::create_directories(folder);
-    MountModel base = hidden.base, truth = hidden.truth;
-    base.bracket_path = folder + "/bracket.csv";
-    truth.bracket_path = folder + "/truth_bracket.csv";
-    truth.replaced_modes.clear();  // its own modes file has them
-    std::ofstream(base.bracket_path) << formatBracketModes(base.bracket);
-    std::ofstream(truth.bracket_path) << formatBracketModes(truth.bracket);
-    writeMountModel(base, folder + "/base.toml");
-    writeMountModel(truth, folder + "/truth.toml");
-    std::ofstream(folder + "/truth.json") << formatTruth(hidden).dump(1) << "\n";
+    const Choice choice = readChoice(argc, argv, index, random);
+    const std::uint64_t noise_seed = seed * 1000003 + index * 17;
+    const RecordedCase recorded = drawRecorded(choice.options, noise_seed, random);
+    const HiddenCase& hidden = recorded.hidden;
+    std::filesystem::create_directories(seen);
+    const auto tolerances =
+        choice.tolerance ? formatTolerances(makeTolerances(choice.options.level), hidden.time_scale) : std::string();
+    writeModel(hidden, hidden.believed, seen, "believed.toml", "bracket.csv", tolerances);
+    writeModel(hidden, hidden.truth, folder, "truth.toml", "truth_bracket.csv", {});
     const char* names[] = {"run1", "run2", "validate"};
-    auto plan = nlohmann::json::array();
-    for (std::size_t r = 0; r < 3; ++r) {
-        const Eigen::Vector3d f = hidden.runs[r].direction * hidden.runs[r].level;
-        plan.push_back({{"force", {f.x(), f.y(), f.z()}},
-                        {"upward", hidden.runs[r].upward},
-                        {"octaves_per_minute", hidden.octaves_per_minute},
-                        {"sample_rate", hidden.rate}});
-        writeCsv(runs.at(r), folder + "/" + names[r] + ".csv", 7);
-    }
-    std::ofstream(folder + "/plan.json") << plan.dump(1) << "\n";
+    for (std::size_t r = 0; r < 3; ++r)
+        writeCsv(slowDown(recorded.runs.at(r), hidden.time_scale), seen + "/" + names[r] + ".csv", 7);
+    auto truth = formatTruth(hidden, calcErrors(recorded, hidden.truth, true, noise_seed),
+                             calcErrors(recorded, hidden.believed, false, noise_seed));
+    truth["seed"] = seed;
+    truth["index"] = index;
+    truth["level"] = choice.options.level;
+    writeText(folder + "/truth.json", truth.dump(1) + "\n");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
     try {
-        if (argc < 4) throw std::invalid_argument("usage: hidden_case SEED INDEX FOLDER [KIND|any [accelerations]]");
-        const std::string kind = argc > 4 ? argv[4] : "any", sensors = argc > 5 ? argv[5] : "any";
-        if (sensors != "any" && sensors != "accelerations") throw std::invalid_argument("unknown sensors: " + sensors);
-        run(std::stoull(argv[1]), std::stoull(argv[2]), argv[3], kind,
-            sensors == "any" ? Sensors::any : Sensors::accelerations);
+        run(argc, argv);
         return 0;
     } catch (const std::exception& error) {
         std::cerr << "hidden_case: " << error.what() << "\n";

@@ -3,91 +3,92 @@
 #pragma once
 
 #include <array>
-#include <random>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
+#include "tests/hidden/device_motion.hpp"
+#include "tests/hidden/outside_effect.hpp"
+#include "tests/hidden/random_numbers.hpp"
+#include "tests/hidden/run_plan.hpp"
+#include "tests/hidden/sensor_errors.hpp"
+#include "tests/hidden/set_up.hpp"
+#include "tests/hidden/small_errors.hpp"
 
 namespace wems::hidden {
-
-using Random = std::mt19937_64;
-
-double drawUniform(Random& random, double lower, double upper);
-double drawLog(Random& random, double lower, double upper);
-int drawInteger(Random& random, int lower, int upper);
-double drawSign(Random& random);
 
 /// One cause of the catalogue, with places and parameters as results name them. A removed stop has a clearance that is
 /// infinite.
 struct Effect {
     std::string cause;
+    std::string variant;  ///< `one`, `both_sides`, `all_of_direction`, `missing`, `too_many`, `drop_out` …
     std::vector<std::string> where;
-    std::vector<std::pair<std::string, double>> parameters;
-};
-
-/// What no cause of the catalogue describes: a force at one axis of one connection.
-struct OutsideEffect {
-    enum class Kind { none, periodic_stiffness, disturbance, cross_axis, buckling };
-    Kind kind = Kind::none;
-    int connection = 0, axis = 0;
-    int other_axis = 0;    ///< cross_axis: the axis whose displacement drives the force
-    double size = 0;       ///< N/m (periodic_stiffness) or N
-    double length = 1e-3;  ///< m, cross_axis and buckling
-    double frequency = 0;  ///< Hz, periodic_stiffness and disturbance
-
-    /// N along the axis, on the mobile part with the opposite sign; q the relative displacements of the connection.
-    double calcForce(const Eigen::Vector3d& q, double time) const;
-};
-std::string formatKind(OutsideEffect::Kind kind);
-
-struct RunPlan {
-    Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
-    double level = 0;  ///< N
-    bool upward = true;
+    std::vector<std::string> names;  ///< of parameters, as getParameter knows them
 };
 
 struct HiddenCase {
     std::string kind;  ///< `single`, `none`, `two`, `outside`
-    MountModel base, truth;
+    SetUp set_up;
+    MountModel base;          ///< the device without its effects, every number exact
+    MountModel truth;         ///< with them; `sensors` are hidden faults
+    MountModel believed;      ///< `base` with small errors
+    double small_errors = 0;  ///< Tolerances::share of the level
     std::vector<Effect> effects;
     OutsideEffect outside;
-    std::array<RunPlan, 3> runs;  ///< two to identify from, one to validate on
-    double rate = 1000;           ///< Hz
-    double octaves_per_minute = 14;
+    std::array<RunPlan, 3> runs;                            ///< two to identify from, one to validate on
+    double rate = 1000;                                     ///< Hz
     double displacement_noise = 0, acceleration_noise = 0;  ///< m, m/s² RMS; zero: not recorded
-    double gain_scatter = 0;                                ///< standard deviation of each channel's own gain
+    SensorErrors sensors;
+    /// All above is for unit time; the device that is handed out is slower by this factor (time_scale.hpp).
+    double time_scale = 1;
     double change[2] = {0, 0};      ///< relative change of the motion by the effect: identification, validation
-    double amplification[3] = {0};  ///< of each run, see calcAmplification
+    double amplification[3] = {0};  ///< of each run: relative change of the motion over that of the mass
 };
 
 /// A device without any effect; with stops, on a bracket.
 MountModel drawDevice(Random& random);
+/// One body on one or two connections that act along z alone; no bracket.
+MountModel drawAxisDevice(Random& random);
 
 /// Changes `truth` (and, for a stop that is missing, `base`).
 /// @param cause one of the catalogue
-Effect drawEffect(const std::string& cause, MountModel& base, MountModel& truth, Random& random);
+/// @param level of small errors: from 1 on what has a tolerance is off by 2.5 tolerances of the level to 8 of level 2
+Effect drawEffect(const std::string& cause, MountModel& base, MountModel& truth, Random& random, int level = 0,
+                  const SetUp& set_up = {});
 
 /// The catalogue's causes.
 const std::vector<std::string>& listCauses();
+/// Those that can be hidden in a set-up.
+std::vector<std::string> listCauses(const SetUp& set_up);
 
-/// What is recorded: displacements, accelerations or both at random, or accelerations alone.
-enum class Sensors { any, accelerations };
+/// What is recorded: displacements, accelerations or both at random, or one of them.
+enum class Sensors { any, accelerations, displacements, both };
 
-/// A complete case: effect sizes change the motion by 3 to 50 %, no run is chaotic. Sizes of outside effects are a
-/// first guess.
+struct CaseOptions {
+    std::string kind = "single";  ///< as HiddenCase::kind, or the name of a cause
+    int level = 0;                ///< of small errors
+    Sensors sensors = Sensors::any;
+    std::optional<SetUp> set_up;           ///< absent: drawn
+    std::string set_up_kind = "any";       ///< `bracket`, `base`, `axis`: only of these drawn
+    std::optional<Excitation> excitation;  ///< absent: drawn
+    std::optional<double> time_scale;      ///< absent: drawn
+};
+
+/// A complete case: effects change the motion by 5 to 50 %, no run is chaotic. Sizes of outside effects are scaled to
+/// that, too.
+HiddenCase drawCase(const CaseOptions& options, Random& random);
+
+/// Load on the bracket, logarithmic sweeps, no small errors, unit time.
 /// @param kind as HiddenCase::kind, or the name of a cause
 HiddenCase drawCase(const std::string& kind, Random& random, Sensors sensors = Sensors::any);
 
-/// Records a run of the truth by the fast forward model, with noise and faults of sensors. No outside effect.
+/// Records a run of the truth, with noise and faults of sensors, in the time of the device that is handed out.
 Recording recordForward(const HiddenCase& hidden, std::size_t run, std::uint64_t seed);
 
-/// Adds noise and each channel's own gain to channels of the truth.
-void addNoise(const HiddenCase& hidden, std::uint64_t seed, std::size_t run, Recording& recording);
-
-/// Relative displacements of a free simulation, 3 · connections x samples.
+/// Relative displacements of a free simulation, 3 · connections x samples at 1 kHz, in unit time, with steps for speed.
 Eigen::MatrixXd simulateRelative(const HiddenCase& hidden, const MountModel& model, std::size_t run);
 
 }  // namespace wems::hidden

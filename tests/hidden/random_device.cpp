@@ -23,22 +23,6 @@ BracketMode drawMode(Random& random, double frequency, double mass, int translat
 
 }  // namespace
 
-double drawUniform(Random& random, double lower, double upper) {
-    return std::uniform_real_distribution<double>(lower, upper)(random);
-}
-
-double drawLog(Random& random, double lower, double upper) {
-    return std::exp(drawUniform(random, std::log(lower), std::log(upper)));
-}
-
-int drawInteger(Random& random, int lower, int upper) {
-    return std::uniform_int_distribution<int>(lower, upper)(random);
-}
-
-double drawSign(Random& random) {
-    return drawInteger(random, 0, 1) == 0 ? -1.0 : 1.0;
-}
-
 MountModel drawDevice(Random& random) {
     MountModel model;
     model.name = "random device";
@@ -79,6 +63,29 @@ MountModel drawDevice(Random& random) {
                      drawMode(random, 34, 100, 0, 1, 0.4), drawMode(random, 38, 100, 1, 0, -0.4),
                      drawMode(random, 43, 140, 2, 0, 0.3)};
     model.bracket_file = "bracket.csv";
+    return model;
+}
+
+MountModel drawAxisDevice(Random& random) {
+    MountModel model;
+    model.name = "random rig";
+    model.body.mass = drawLog(random, 0.5, 10);
+    model.body.inertia = 1e-2 * model.body.mass * Eigen::Matrix3d::Identity();
+    const int count = drawInteger(random, 1, 2);
+    const double w = kTwoPi * drawUniform(random, 12, 30);
+    const double stiffness = model.body.mass * w * w / count;
+    const double damping = drawUniform(random, 0.02, 0.06) * 2 / w, clearance = drawUniform(random, 1.0e-3, 2.2e-3);
+    const double stop = stiffness * drawUniform(random, 5, 13);
+    for (int i = 0; i < count; ++i) {
+        Connection connection;
+        connection.name = std::to_string(i + 1);
+        if (count > 1) connection.position.x() = i == 0 ? -0.1 : 0.1;
+        auto& law = connection.axis[2];
+        law.stiffness = stiffness * drawUniform(random, 0.8, 1.25);
+        law.damping = damping * law.stiffness;
+        law.stops = {{Side::positive, clearance, stop, 0}, {Side::negative, clearance, stop, 0}};
+        model.connections.push_back(connection);
+    }
     return model;
 }
 
