@@ -3,10 +3,13 @@ import argparse
 import json
 import os
 import random
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 
@@ -17,11 +20,19 @@ PROGRAMS = os.environ.get("WEMS_PROGRAMS", "build/release")
 SET_UPS = {"bracket": 0.52, "base": 0.38, "axis": 0.1}  # shares
 
 
-def run(command):
-    """Output and CPU seconds. Throws CalledProcessError with what was said on standard error."""
+def run(command, seconds=None):
+    """Output and CPU seconds. Throws CalledProcessError with what was said on standard error.
+    With a limit of wall-clock seconds also one of memory, 8 GB: a program that has lost its way must not take the machine along."""
+    def limit():
+        resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
+
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
-        process = subprocess.Popen(command, stdout=out, stderr=err)
+        process = subprocess.Popen(command, stdout=out, stderr=err, preexec_fn=limit if seconds else None)
+        stopwatch = threading.Timer(seconds or 0, process.kill)
+        if seconds:
+            stopwatch.start()
         _, status, usage = os.wait4(process.pid, 0)
+        stopwatch.cancel()
         process.returncode = os.waitstatus_to_exitcode(status)
         out.seek(0)
         err.seek(0)
@@ -75,6 +86,7 @@ def diagnose(index, options):
     """The answer for a case, as an entry."""
     case, out = f"{options.folder}/{index:04d}", f"{options.output}/{index:04d}"
     entry = {"index": index}
+    shutil.rmtree(out, ignore_errors=True)
     try:
         with open(f"{case}/truth.json") as file:
             entry["truth"] = json.load(file)
@@ -85,14 +97,15 @@ def diagnose(index, options):
         started = time.time()
         text, entry["cpu"] = run([options.identify, "diagnose", f"{case}/seen/run1.csv", f"{case}/seen/run2.csv", "--model", model,
                                   "--validate", f"{case}/seen/validate.csv", "--json", f"{out}/result.json",
-                                  "-o", f"{out}/extended.toml", "-q"])
+                                  "-o", f"{out}/extended.toml"], options.longest)
         entry["wall"] = time.time() - started
         with open(f"{out}/result.txt", "w") as file:
             file.write(text)
         with open(f"{out}/result.json") as file:
             entry["result"] = json.load(file)
     except subprocess.CalledProcessError as error:
-        entry["failed"] = error.stderr.strip()[-300:] or f"exit status {error.returncode}"
+        killed = error.returncode == -signal.SIGKILL
+        entry["failed"] = f"no answer in {options.longest:g} s" if killed else error.stderr.strip()[-300:] or f"exit status {error.returncode}"
     except (OSError, ValueError) as error:
         entry["failed"] = str(error)
     return entry
@@ -138,6 +151,7 @@ def main():
     parser.add_argument("--only-draw", type=int, metavar="N", help="draw N cases into the folder and stop")
     parser.add_argument("--again", metavar="FOLDER", help="diagnose the cases of a folder, drawing none")
     parser.add_argument("--identify", default=f"{PROGRAMS}/identify/cli/identify", help="the program that is asked")
+    parser.add_argument("--longest", type=float, default=600, help="seconds that a diagnosis may take by the clock")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--keep", action="store_true", help="keep the cases")
     parser.add_argument("--folder", default="", help="where the cases are written")

@@ -17,12 +17,12 @@ double calcChange(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 }
 
 /// Largest displacement over clearance.
-double calcReach(const HiddenCase& hidden, std::size_t run) {
-    const Eigen::MatrixXd q = simulateRelative(hidden, hidden.base, run);
+double calcReach(const HiddenCase& hidden, const MountModel& device, std::size_t run) {
+    const Eigen::MatrixXd q = simulateRelative(hidden, device, run);
     double reach = 0;
-    for (std::size_t i = 0; i < hidden.base.connections.size(); ++i)
+    for (std::size_t i = 0; i < device.connections.size(); ++i)
         for (std::size_t a = 0; a < 3; ++a)
-            for (const auto& stop : hidden.base.connections[i].axis[a].stops)
+            for (const auto& stop : device.connections[i].axis[a].stops)
                 reach = std::max(reach, (stop.side == Side::positive ? 1.0 : -1.0) / stop.clearance *
                                             q.row(static_cast<Eigen::Index>(3 * i + a)).maxCoeff());
     return reach;
@@ -33,9 +33,8 @@ Excitation drawExcitation(Random& random) {
     return u < 0.67 ? Excitation::logarithmic : u < 0.84 ? Excitation::linear : Excitation::random;
 }
 
+/// All but the levels.
 void drawRuns(HiddenCase& hidden, Excitation excitation, Random& random) {
-    const double reach[3] = {drawUniform(random, 0.4, 0.9), drawUniform(random, 1.15, 1.5),
-                             drawUniform(random, 0.8, 1.4)};
     const double duration = drawUniform(random, 8, 15);
     for (std::size_t r = 0; r < 3; ++r) {
         auto& plan = hidden.runs[r];
@@ -47,12 +46,19 @@ void drawRuns(HiddenCase& hidden, Excitation excitation, Random& random) {
         plan.direction.normalize();
         plan.upward = r != 1 || drawInteger(random, 0, 1) == 0;
         tabulate(plan, hidden.set_up.baseDriven(), random());
-        plan.level = hidden.set_up.baseDriven() ? 10 : 60;
-        for (int i = 0; i < 4; ++i) {
-            const double factor = std::clamp(reach[r] / calcReach(hidden, r), 0.2, 5.0);
-            plan.level *= factor;
-            if (std::abs(factor - 1) < 0.1) break;
-        }
+    }
+}
+
+/// The first run leaves the stops alone, the second reaches them, the third may.
+void drawLevel(HiddenCase& hidden, const MountModel& device, std::size_t run, Random& random) {
+    constexpr double reaches[3][2] = {{0.4, 0.9}, {1.15, 1.5}, {0.8, 1.4}};
+    const double reach = drawUniform(random, reaches[run][0], reaches[run][1]);
+    double& level = hidden.runs[run].level;
+    level = hidden.set_up.baseDriven() ? 10 : 60;
+    for (int i = 0; i < 4; ++i) {
+        const double factor = std::clamp(reach / calcReach(hidden, device, run), 0.2, 5.0);
+        level *= factor;
+        if (std::abs(factor - 1) < 0.1) break;
     }
 }
 
@@ -69,9 +75,13 @@ SetUp drawSetUp(const std::string& kind, Random& random) {
     return set_up;
 }
 
-void drawSensors(HiddenCase& hidden, Sensors sensors, Random& random) {
+/// Noise of small errors is what a bench has; without them it is the only thing between model and truth.
+void drawSensors(HiddenCase& hidden, const CaseOptions& options, Random& random) {
+    const Sensors sensors = options.sensors;
     const int kind = sensors == Sensors::any ? drawInteger(random, 1, 3) : static_cast<int>(sensors);
-    const double displacement = drawLog(random, 1e-6, 1e-5), acceleration = drawLog(random, 0.01, 0.1);
+    const bool exact = options.level == 0;
+    const double displacement = drawLog(random, 1e-6, exact ? 1e-5 : 4e-6);
+    const double acceleration = drawLog(random, exact ? 0.01 : 0.005, exact ? 0.1 : 0.03);
     if (kind != static_cast<int>(Sensors::accelerations)) hidden.displacement_noise = displacement;
     if (kind != static_cast<int>(Sensors::displacements)) hidden.acceleration_noise = acceleration;
 }
@@ -97,22 +107,28 @@ void nameAccelerations(HiddenCase& hidden) {
     for (auto& sensor : hidden.truth.sensors) rename(sensor.channel);
 }
 
-/// Change by the effects, relative to the truth; the validation run first, which is the sooner out of bounds. Faults of
-/// sensors change no motion: they count as they are.
-bool isVisible(HiddenCase& hidden) {
-    double difference[2] = {0, 0}, signal[2] = {0, 0};
-    const auto add = [&](std::size_t r, int group) {
-        const Eigen::MatrixXd truth = simulateRelative(hidden, hidden.truth, r);
-        difference[group] += (simulateRelative(hidden, hidden.base, r) - truth).squaredNorm();
-        signal[group] += truth.squaredNorm();
-        hidden.change[group] = std::sqrt(difference[group] / signal[group]);
-    };
-    const auto within = [&](int group) { return hidden.change[group] > kSmallest && hidden.change[group] < kLargest; };
-    add(2, 1);
-    if (!within(1)) return false;
-    add(0, 0);
-    add(1, 0);
-    return within(0);
+/// A device without and with an effect.
+struct Pair {
+    MountModel base, truth;
+    bool moves = true;  // faults of sensors change no motion: they count as they are
+};
+
+/// Change by an effect of the runs from `first` to `last`, relative to the truth.
+double calcChange(const HiddenCase& hidden, const Pair& pair, std::size_t first, std::size_t last) {
+    double difference = 0, signal = 0;
+    for (std::size_t r = first; r <= last; ++r) {
+        const Eigen::MatrixXd truth = simulateRelative(hidden, pair.truth, r);
+        difference += (simulateRelative(hidden, pair.base, r) - truth).squaredNorm();
+        signal += truth.squaredNorm();
+    }
+    return std::sqrt(difference / signal);
+}
+
+bool isVisible(const HiddenCase& hidden, const std::vector<Pair>& alone, std::size_t first, std::size_t last) {
+    return std::all_of(alone.begin(), alone.end(), [&](const Pair& pair) {
+        const double change = pair.moves ? calcChange(hidden, pair, first, last) : kSmallest;
+        return change >= kSmallest && change < kLargest;
+    });
 }
 
 bool isPredictable(HiddenCase& hidden) {
@@ -129,7 +145,6 @@ bool isPredictable(HiddenCase& hidden) {
 /// Scales an outside effect until it changes the motion as wanted. False if it does not.
 bool scaleOutside(HiddenCase& hidden, Random& random) {
     const double wanted = drawLog(random, 1.2 * kSmallest, 0.35);
-    const OutsideEffect none;
     for (int i = 0; i < 5; ++i) {
         double difference = 0, signal = 0;
         for (std::size_t r = 1; r < 3; ++r) {
@@ -152,20 +167,41 @@ bool scaleOutside(HiddenCase& hidden, Random& random) {
     return false;
 }
 
-/// Draws effects one after the other. False if one does not show by itself.
-bool drawEffects(HiddenCase& hidden, const std::vector<std::string>& wanted, int level, Random& random) {
+/// Hides the effects in a device. Each of them alone, too: each must show by itself.
+std::vector<Pair> drawEffects(HiddenCase& hidden, const MountModel& device, const std::vector<std::string>& wanted,
+                              int level, Random& random) {
+    hidden.base = hidden.truth = device;
+    hidden.effects.clear();
+    std::vector<Pair> alone;
     for (const auto& cause : wanted) {
-        HiddenCase alone = hidden;
+        Pair pair{device, device};
         Random again = random;
+        drawEffect(cause, pair.base, pair.truth, again, level, hidden.set_up);
         hidden.effects.push_back(drawEffect(cause, hidden.base, hidden.truth, random, level, hidden.set_up));
-        if (isSensor(hidden.effects.back())) continue;
-        alone.truth = alone.base;
-        drawEffect(cause, alone.base, alone.truth, again, level, alone.set_up);
-        if (!isVisible(alone)) return false;
-        for (int g = 0; g < 2; ++g) hidden.change[g] = alone.change[g];
+        pair.moves = !isSensor(hidden.effects.back());
+        alone.push_back(std::move(pair));
     }
-    return wanted.size() < 2 || isVisible(hidden) ||
-           std::any_of(hidden.effects.begin(), hidden.effects.end(), isSensor);
+    return alone;
+}
+
+/// Levels of the runs and effects for a device; the validation run first, which is the sooner out of bounds.
+bool drawVisible(HiddenCase& hidden, const MountModel& device, const std::vector<std::string>& wanted, int level,
+                 Random& random) {
+    constexpr int kEffects = 3;
+    drawLevel(hidden, device, 2, random);
+    std::vector<Pair> alone;
+    bool visible = false;
+    for (int draw = 0; draw < kEffects && !visible; ++draw) {
+        alone = drawEffects(hidden, device, wanted, level, random);
+        visible = isVisible(hidden, alone, 2, 2);
+    }
+    if (!visible) return false;
+    drawLevel(hidden, device, 0, random);
+    drawLevel(hidden, device, 1, random);
+    if (!isVisible(hidden, alone, 0, 1) || !isPredictable(hidden)) return false;
+    for (std::size_t group = 0; group < 2; ++group)
+        hidden.change[group] = calcChange(hidden, {hidden.base, hidden.truth}, 2 * group, 1 + group);
+    return true;
 }
 
 }  // namespace
@@ -182,7 +218,7 @@ HiddenCase drawCase(const CaseOptions& options, Random& random) {
         const auto drawCause = [&] {
             return causes[static_cast<std::size_t>(drawInteger(random, 0, static_cast<int>(causes.size()) - 1))];
         };
-        drawSensors(hidden, options.sensors, random);
+        drawSensors(hidden, options, random);
         std::vector<std::string> wanted;
         if (kind == "single") wanted = {drawCause()};
         if (kind == "two") wanted = {drawCause(), drawCause()};
@@ -203,12 +239,10 @@ HiddenCase drawCase(const CaseOptions& options, Random& random) {
         constexpr double rates[] = {1000, 1250, 1600, 2000};
         hidden.rate = rates[drawInteger(random, 0, 3)];
         for (int device = 0; device < 3; ++device) {
-            hidden.base = hidden.set_up.oneAxis() ? drawAxisDevice(random) : drawDevice(random);
-            if (hidden.set_up.kind != SetUp::Kind::bracket) hidden.base.bracket.clear();
-            hidden.truth = hidden.base;
-            hidden.effects.clear();
+            MountModel model = hidden.set_up.oneAxis() ? drawAxisDevice(random) : drawDevice(random);
+            if (hidden.set_up.kind != SetUp::Kind::bracket) model.bracket.clear();
             drawRuns(hidden, excitation, random);
-            if (!drawEffects(hidden, wanted, options.level, random) || !isPredictable(hidden)) continue;
+            if (!drawVisible(hidden, model, wanted, options.level, random)) continue;
             const bool drops = hidden.truth.load && hidden.truth.load->gain_over_frequency.size() > 1;
             if (drops && excitation == Excitation::random) continue;
             if (kind == "outside") {

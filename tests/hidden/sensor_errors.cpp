@@ -38,7 +38,7 @@ SensorErrors drawSensorErrors(int level, std::size_t count, double time_scale, R
     errors.load_gain = 1 + tolerances.load_gain * drawUniform(random, -1, 1);
     errors.load_noise = tolerances.load_noise;
     errors.filtered = level > 0;
-    errors.pink = tolerances.share * drawUniform(random, 0.3, 1.5);
+    errors.pink = tolerances.share * drawUniform(random, 0.3, 1);
     const double hum = drawUniform(random, 0.3, 2), mains = drawCoin(random, 0.5) ? 50 : 60;
     if (level < 2) return errors;
     errors.hum = hum;
