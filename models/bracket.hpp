@@ -15,6 +15,8 @@
 #include <string_view>
 #include <vector>
 
+#include "models/tolerances.hpp"
+
 namespace wems {
 
 /// One row of the modes file. Shapes are mass-normalised: displacement = shape · modal coordinate.
@@ -26,6 +28,7 @@ struct BracketMode {
     Eigen::Vector3d load_translation = Eigen::Vector3d::Zero();  ///< at the load point, kg^-1/2
     Eigen::Vector3d base_participation =
         Eigen::Vector3d::Zero();  ///< φᵀ M r for base motion, kg^1/2; optional columns base.ux…
+    Tolerances tolerances = {};   ///< mode_frequency, mode_damping_ratio, mode_shape of this mode alone
 };
 
 /// Pose and velocities of the fixed part's frame F in G. Rotation is a proper rotation matrix.

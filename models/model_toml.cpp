@@ -1,5 +1,6 @@
 #include <Eigen/Core>
 #include <filesystem>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -12,6 +13,21 @@
 
 namespace wems {
 namespace {
+
+/// The keys that belong to `where`, or all of them in the table [tolerance] of the model.
+Tolerances readTolerances(TomlTable& table, std::string_view where = {}) {
+    Tolerances tolerances;
+    table.readTable("tolerance", [&](TomlTable& values) {
+        for (std::size_t k = 0; k < kToleranceKeys.size(); ++k) {
+            const ToleranceKey& key = kToleranceKeys[k];
+            if (!where.empty() && where != key.table) continue;
+            const auto value = values.findNumber(key.key);
+            if (value && *value < 0) values.fail(key.key, "is negative", "a number from 0 on, 0 if exactly known");
+            tolerances.set(static_cast<ToleranceOf>(k), value);
+        }
+    });
+    return tolerances;
+}
 
 Stop readStop(TomlTable& table) {
     Stop stop;
@@ -56,9 +72,12 @@ Connection readConnection(TomlTable& table) {
     connection.position = table.requireVector("position", "m");
     bool any_axis = false;
     for (std::size_t k = 0; k < 3; ++k) {
-        any_axis |=
-            table.readTable(std::string(1, "xyz"[k]), [&](TomlTable& axis) { connection.axis[k] = readAxis(axis); });
+        any_axis |= table.readTable(std::string(1, "xyz"[k]), [&](TomlTable& axis) {
+            connection.axis[k] = readAxis(axis);
+            connection.axis_tolerances[k] = readTolerances(axis, "axis");
+        });
     }
+    connection.tolerances = readTolerances(table, "connection");
     if (!any_axis) table.fail("", "has no axis", "at least one of the tables x, y, z");
     return connection;
 }
@@ -76,27 +95,29 @@ MobileBody readBody(TomlTable& table) {
         body.inertia(1, 2) = body.inertia(2, 1) = I[5];
     }
     body.spin = table.findVector("spin").value_or(Eigen::Vector3d::Zero());
+    body.tolerances = readTolerances(table, "body");
     return body;
 }
 
-/// [[bracket.mode]]: new frequency or damping of one row of the modes file.
-void replaceMode(TomlTable& table, MountModel& model) {
+/// [[bracket.mode]]: new frequency, damping or tolerances of one row of the modes file.
+void replaceMode(TomlTable& table, MountModel& model, std::set<long>& seen) {
     const auto count = static_cast<long>(model.bracket.size());
     const std::string rows = "a row of the modes file, 1 to " + std::to_string(count);
     const long index = table.requireInteger("index", rows);
+    const Tolerances tolerances = readTolerances(table, "mode");
     if (index < 1 || index > count) table.fail("index", "is " + std::to_string(index), rows);
-    for (const int replaced : model.replaced_modes) {
-        if (replaced == index) table.fail("index", std::to_string(index) + " stands twice", "each row once");
-    }
+    if (!seen.insert(index).second) table.fail("index", std::to_string(index) + " stands twice", "each row once");
     const auto frequency = table.findNumber("frequency");
     const auto damping_ratio = table.findNumber("damping_ratio");
-    if (!frequency && !damping_ratio) table.fail("", "replaces nothing", "frequency, damping_ratio or both");
+    if (!frequency && !damping_ratio && tolerances.empty())
+        table.fail("", "replaces nothing", "frequency, damping_ratio or both, or a tolerance");
     if (frequency && !(*frequency > 0)) table.fail("frequency", "is not above 0", "a number above 0, Hz");
     if (damping_ratio && !(*damping_ratio >= 0)) table.fail("damping_ratio", "is negative", "a number from 0 on");
     BracketMode& mode = model.bracket[static_cast<std::size_t>(index - 1)];
     mode.frequency = frequency.value_or(mode.frequency);
     mode.damping_ratio = damping_ratio.value_or(mode.damping_ratio);
-    model.replaced_modes.push_back(static_cast<int>(index));
+    mode.tolerances = tolerances;
+    if (frequency || damping_ratio) model.replaced_modes.push_back(static_cast<int>(index));
 }
 
 void readBracket(TomlTable& table, const std::string& file, MountModel& model) {
@@ -104,7 +125,8 @@ void readBracket(TomlTable& table, const std::string& file, MountModel& model) {
     if (model.bracket_file.empty()) table.fail("modes", "is empty", "the name of the modes file, beside this one");
     model.bracket_path = (std::filesystem::path(file).parent_path() / model.bracket_file).string();
     model.bracket = readBracketModes(model.bracket_path);
-    table.readTables("mode", [&model](TomlTable& mode) { replaceMode(mode, model); });
+    std::set<long> seen;
+    table.readTables("mode", [&](TomlTable& mode) { replaceMode(mode, model, seen); });
 }
 
 LoadCorrection readLoad(TomlTable& table) {
@@ -123,6 +145,7 @@ SensorFault readSensor(TomlTable& table) {
     sensor.gain = table.findNumber("gain").value_or(1);
     sensor.delay = table.findNumber("delay").value_or(0);
     sensor.rotation = table.findVector("rotation").value_or(Eigen::Vector3d::Zero());
+    sensor.tolerances = readTolerances(table, "sensor");
     return sensor;
 }
 
@@ -138,6 +161,7 @@ void readRoot(TomlTable& root, const std::string& file, MountModel& model) {
     root.readTable("load", [&model](TomlTable& load) { model.load = readLoad(load); });
     root.readTables("sensor", [&model](TomlTable& sensor) { model.sensors.push_back(readSensor(sensor)); });
     readSensorTables(root, model.places);
+    model.tolerances = readTolerances(root);
     root.rejectUnknownKeys();
 }
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -41,6 +42,16 @@ std::string vector(const Eigen::Vector3d& v) {
     return "[" + number(v.x()) + ", " + number(v.y()) + ", " + number(v.z()) + "]";
 }
 
+/// `mass = 0.01` for each that is given, with what separates them.
+std::string formatTolerances(const Tolerances& tolerances, const std::string& separator) {
+    std::string text;
+    for (std::size_t k = 0; k < kToleranceKeys.size(); ++k) {
+        const auto given = tolerances.find(static_cast<ToleranceOf>(k));
+        if (given) text += (text.empty() ? "" : separator) + kToleranceKeys[k].key + " = " + number(*given);
+    }
+    return text;
+}
+
 class Writer {
 public:
     void line(const std::string& text) { text_ += text + "\n"; }
@@ -52,6 +63,10 @@ public:
     }
     void optionalVector(const std::string& name, const Eigen::Vector3d& value) {
         if (!value.isZero(0)) key(name, vector(value));
+    }
+    /// Those of one item.
+    void tolerances(const Tolerances& given) {
+        if (!given.empty()) key("tolerance", "{ " + formatTolerances(given, ", ") + " }");
     }
     const std::string& text() const { return text_; }
 
@@ -70,6 +85,7 @@ void writeBody(const MobileBody& body, Writer& out) {
     }
     out.key("inertia", inertia + "]");
     out.optionalVector("spin", body.spin);
+    out.tolerances(body.tolerances);
 }
 
 bool exertsNothing(const AxisLaw& law) {
@@ -83,7 +99,7 @@ std::string formatStop(const Stop& stop) {
     return text + " }";
 }
 
-void writeAxis(const AxisLaw& law, char axis, Writer& out) {
+void writeAxis(const AxisLaw& law, const Tolerances& tolerances, char axis, Writer& out) {
     out.line(std::string("[connection.") + axis + "]");
     for (const AxisNumber& number : kAxisNumbers) {
         if (number.presence == AxisNumber::Presence::required || law.*number.member != 0)
@@ -104,18 +120,21 @@ void writeAxis(const AxisLaw& law, char axis, Writer& out) {
     std::string stops;
     for (const Stop& stop : law.stops) stops += (stops.empty() ? "[ " : ",\n          ") + formatStop(stop);
     if (!stops.empty()) out.key("stops", stops + " ]");
+    out.tolerances(tolerances);
 }
 
 void writeConnection(const Connection& connection, Writer& out) {
     out.line("\n[[connection]]");
     out.key("name", quoted(connection.name));
     out.key("position", vector(connection.position));
+    out.tolerances(connection.tolerances);
     bool any = false;
     for (std::size_t k = 0; k < 3; ++k) {
         // An axis without a table exerts nothing; a connection needs one table all the same.
         const bool last_chance = k == 2 && !any;
-        if (exertsNothing(connection.axis[k]) && !last_chance) continue;
-        writeAxis(connection.axis[k], "xyz"[k], out);
+        const Tolerances& tolerances = connection.axis_tolerances[k];
+        if (exertsNothing(connection.axis[k]) && tolerances.empty() && !last_chance) continue;
+        writeAxis(connection.axis[k], tolerances, "xyz"[k], out);
         any = true;
     }
 }
@@ -123,12 +142,21 @@ void writeConnection(const Connection& connection, Writer& out) {
 void writeBracket(const MountModel& model, const std::string& bracket_file, Writer& out) {
     out.line("\n[bracket]");
     out.key("modes", quoted(bracket_file));
-    for (const int index : model.replaced_modes) {
-        const BracketMode& mode = model.bracket.at(static_cast<std::size_t>(index - 1));
+    const auto writeMode = [&](std::size_t row, bool replaced) {
+        const BracketMode& mode = model.bracket.at(row);
         out.line("[[bracket.mode]]");
-        out.key("index", std::to_string(index));
-        out.number("frequency", mode.frequency);
-        out.number("damping_ratio", mode.damping_ratio);
+        out.key("index", std::to_string(row + 1));
+        if (replaced) {
+            out.number("frequency", mode.frequency);
+            out.number("damping_ratio", mode.damping_ratio);
+        }
+        out.tolerances(mode.tolerances);
+    };
+    const std::vector<int>& replaced = model.replaced_modes;
+    for (const int index : replaced) writeMode(static_cast<std::size_t>(index - 1), true);
+    for (std::size_t j = 0; j < model.bracket.size(); ++j) {
+        const bool written = std::find(replaced.begin(), replaced.end(), static_cast<int>(j + 1)) != replaced.end();
+        if (!written && !model.bracket[j].tolerances.empty()) writeMode(j, false);
     }
 }
 
@@ -194,8 +222,10 @@ std::string formatMountModel(const MountModel& model, const std::string& bracket
         out.optionalNumber("gain", sensor.gain, 1);
         out.optionalNumber("delay", sensor.delay);
         out.optionalVector("rotation", sensor.rotation);
+        out.tolerances(sensor.tolerances);
     }
     for (const SensorPlace& place : model.places) writePlace(place, out);
+    if (!model.tolerances.empty()) out.line("\n[tolerance]\n" + formatTolerances(model.tolerances, "\n"));
     return out.text();
 }
 

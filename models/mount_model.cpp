@@ -138,6 +138,30 @@ void checkSensors(const MountModel& model) {
     }
 }
 
+/// @param prefix full key of the table that holds them
+void checkTolerances(const std::string& prefix, const Tolerances& tolerances) {
+    for (std::size_t k = 0; k < kToleranceKeys.size(); ++k) {
+        const auto given = tolerances.find(static_cast<ToleranceOf>(k));
+        if (given && !(std::isfinite(*given) && *given >= 0))
+            fail(prefix + "tolerance." + kToleranceKeys[k].key, "is " + formatNumber(*given), "a number from 0 on");
+    }
+}
+
+void checkAllTolerances(const MountModel& model) {
+    checkTolerances("", model.tolerances);
+    checkTolerances("body.", model.body.tolerances);
+    for (std::size_t i = 0; i < model.connections.size(); ++i) {
+        const Connection& connection = model.connections[i];
+        const std::string prefix = "connection[" + std::to_string(i) + "].";
+        checkTolerances(prefix, connection.tolerances);
+        for (std::size_t k = 0; k < 3; ++k) checkTolerances(prefix + "xyz"[k] + ".", connection.axis_tolerances[k]);
+    }
+    for (std::size_t j = 0; j < model.bracket.size(); ++j)
+        checkTolerances("bracket mode " + std::to_string(j + 1) + ", ", model.bracket[j].tolerances);
+    for (std::size_t i = 0; i < model.sensors.size(); ++i)
+        checkTolerances("sensor[" + std::to_string(i) + "].", model.sensors[i].tolerances);
+}
+
 void checkPlaces(const MountModel& model) {
     for (const SensorPlace& place : model.places) {
         const std::string key = std::string(place.accelerometer ? "accelerometer" : "marker") + " " + place.name;
@@ -183,6 +207,7 @@ void validate(const MountModel& model) {
     if (model.load) checkLoad(*model.load);
     checkSensors(model);
     checkPlaces(model);
+    checkAllTolerances(model);
 }
 
 }  // namespace wems

@@ -14,6 +14,7 @@
 #include "models/axis_law.hpp"
 #include "models/bracket.hpp"
 #include "models/sensor_place.hpp"
+#include "models/tolerances.hpp"
 
 namespace wems {
 
@@ -23,6 +24,7 @@ struct MobileBody {
     Eigen::Vector3d center_of_gravity = Eigen::Vector3d::Zero();  ///< p_MoBcm, m
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();            ///< about the CoG, kg m², positive definite
     Eigen::Vector3d spin = Eigen::Vector3d::Zero();               ///< angular momentum of the wheel, N m s
+    Tolerances tolerances = {};                                   ///< mass, center_of_gravity, inertia of this body
 };
 
 /// A connection: three independent axis laws along the mount axes (those of F).
@@ -30,6 +32,9 @@ struct Connection {
     std::string name;
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, of both ends, each in its own frame, at rest
     std::array<AxisLaw, 3> axis;                         ///< x, y, z
+    Tolerances tolerances = {};                          ///< position of this connection alone
+    /// stiffness, damping, clearance, stop_stiffness of one axis alone: x, y, z.
+    std::array<Tolerances, 3> axis_tolerances = {};
 };
 
 /// Applied load = gain(f) · recorded load; f the swept frequency (Hz). A single gain has one row with frequency 0.
@@ -43,6 +48,7 @@ struct SensorFault {
     double gain = 1;
     double delay = 0;                                    ///< s
     Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< rotation vector, rad
+    Tolerances tolerances = {};  ///< sensor_gain, sensor_rotation, sensor_position, sensor_delay of these channels
 };
 
 struct MountModel {
@@ -55,6 +61,7 @@ struct MountModel {
     std::vector<BracketMode>
         bracket;  ///< replacements ([[bracket.mode]]) already applied; empty = F does not move by itself
     std::vector<int> replaced_modes;  ///< from 1: rows that [[bracket.mode]] replaced
+    Tolerances tolerances;            ///< [tolerance]; models/model_tolerance.hpp tells which one holds for what
     std::optional<LoadCorrection> load;
     std::vector<SensorFault> sensors;
     std::vector<SensorPlace> places;  ///< sensors that are not at a connection along the mount axes

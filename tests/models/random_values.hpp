@@ -48,6 +48,15 @@ public:
         return law;
     }
 
+    /// Some of the keys that belong to `table`; of all tables if it is empty.
+    Tolerances tolerances(std::string_view table) {
+        Tolerances result;
+        for (std::size_t k = 0; k < kToleranceKeys.size(); ++k)
+            if ((table.empty() || table == kToleranceKeys[k].table) && integer(0, 3) == 0)
+                result.set(static_cast<ToleranceOf>(k), chance() ? number(0, 0.3) : 0.0);
+        return result;
+    }
+
     MountModel model() {
         MountModel model;
         model.name = "random \"quoted\" \\ name";
@@ -77,10 +86,21 @@ public:
             if (chance()) model.load = LoadCorrection{{{5.0, number(0.5, 2)}, {number(10, 50), 1.0}}};
         }
         if (chance()) model.sensors.push_back({"mobile.c1.az", number(0.8, 1.2), number(-1e-3, 1e-3), vector(0.1)});
+        if (chance()) drawTolerances(model);
         return model;
     }
 
 private:
+    void drawTolerances(MountModel& model) {
+        model.tolerances = tolerances("");
+        model.body.tolerances = tolerances("body");
+        for (Connection& connection : model.connections) {
+            connection.tolerances = tolerances("connection");
+            for (Tolerances& axis : connection.axis_tolerances) axis = tolerances("axis");
+        }
+        for (SensorFault& sensor : model.sensors) sensor.tolerances = tolerances("sensor");
+    }
+
     std::mt19937 generator_;
 };
 

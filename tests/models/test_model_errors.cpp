@@ -172,6 +172,25 @@ TEST_CASE("bad model: bracket, load, sensors") {
     })));
 }
 
+TEST_CASE("bad model: tolerances") {
+    check(GENERATE(values<Case>({
+        {"", "[tolerance]\nmass = -0.1", 19, "tolerance.mass", "from 0"},
+        {"", "[tolerance]\nstiffness = nan", 19, "tolerance.stiffness", "nan"},
+        {"", "[tolerance]\nstifness = 0.1", 19, "tolerance.stifness", "stop_stiffness"},
+        {"", "tolerance = { mass = 0.1 }", 18, "connection[1].x.tolerance.mass", "accepted: stiffness, damping"},
+        {"", "tolerance = { damping = -1 }", 18, "connection[1].x.tolerance.damping", "from 0"},
+        {"mass = 8.0", "mass = 8.0\ntolerance = { stiffness = 0.1 }", 5, "body.tolerance.stiffness", "inertia"},
+        {"name = \"2\"", "name = \"2\"\ntolerance = 0.1", 15, "connection[1].tolerance", "a table"},
+        {"", "[bracket]\nmodes = \"every_key.csv\"\n[[bracket.mode]]\nindex = 1\ntolerance = {mode_shape = -1}", 22,
+         "bracket.mode[0].tolerance.mode_shape", "from 0"},
+        {"", "[[sensor]]\nchannel = \"mobile.1\"\ntolerance = { position = 1 }", 20, "sensor[0].tolerance.position",
+         "sensor_position"},
+    })));
+    MountModel model = parseMountModel(good, "m.toml");
+    model.connections[1].axis_tolerances[2].set(ToleranceOf::clearance, -1.0);
+    CHECK_THROWS_WITH(validate(model), Catch::Contains("connection[1].z.tolerance.clearance"));
+}
+
 TEST_CASE("a modes file that is missing is named with its own path") {
     CHECK_THROWS_WITH(parseMountModel(good + "[bracket]\nmodes = \"none.csv\"", "/some/where/m.toml"),
                       Catch::Contains("/some/where/none.csv"));

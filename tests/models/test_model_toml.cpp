@@ -48,10 +48,14 @@ void checkSame(const MountModel& a, const MountModel& b) {
     CHECK(a.body.center_of_gravity == b.body.center_of_gravity);
     CHECK(a.body.inertia == b.body.inertia);
     CHECK(a.body.spin == b.body.spin);
+    CHECK(a.tolerances == b.tolerances);
+    CHECK(a.body.tolerances == b.body.tolerances);
     REQUIRE(a.connections.size() == b.connections.size());
     for (std::size_t i = 0; i < a.connections.size(); ++i) {
         CHECK(a.connections[i].name == b.connections[i].name);
         CHECK(a.connections[i].position == b.connections[i].position);
+        CHECK(a.connections[i].tolerances == b.connections[i].tolerances);
+        CHECK(a.connections[i].axis_tolerances == b.connections[i].axis_tolerances);
         for (std::size_t k = 0; k < 3; ++k) CHECK(a.connections[i].axis[k] == b.connections[i].axis[k]);
     }
     REQUIRE(a.bracket.size() == b.bracket.size());
@@ -59,6 +63,7 @@ void checkSame(const MountModel& a, const MountModel& b) {
         CHECK(a.bracket[j].frequency == b.bracket[j].frequency);
         CHECK(a.bracket[j].damping_ratio == b.bracket[j].damping_ratio);
         CHECK(a.bracket[j].translation == b.bracket[j].translation);
+        CHECK(a.bracket[j].tolerances == b.bracket[j].tolerances);
     }
     CHECK(a.replaced_modes == b.replaced_modes);
     REQUIRE(a.load.has_value() == b.load.has_value());
@@ -69,6 +74,7 @@ void checkSame(const MountModel& a, const MountModel& b) {
         CHECK(a.sensors[i].gain == b.sensors[i].gain);
         CHECK(a.sensors[i].delay == b.sensors[i].delay);
         CHECK(a.sensors[i].rotation == b.sensors[i].rotation);
+        CHECK(a.sensors[i].tolerances == b.sensors[i].tolerances);
     }
     REQUIRE(a.places.size() == b.places.size());
     for (std::size_t i = 0; i < a.places.size(); ++i) {
