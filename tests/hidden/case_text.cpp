@@ -114,9 +114,11 @@ void insertAfter(std::string& text, const std::string& line, const std::string& 
 
 }  // namespace
 
-std::string formatModel(const HiddenCase& hidden, const MountModel& model, const std::string& bracket_file) {
+std::string formatModel(const HiddenCase& hidden, const MountModel& model, const Tolerances& tolerances,
+                        const std::string& bracket_file) {
     MountModel slow = slowDown(model, hidden.time_scale);
     slow.replaced_modes.clear();  // its own modes file has them
+    slow.tolerances = tolerances;
     std::string text = formatMountModel(slow, bracket_file);
     if (!hidden.set_up.oneAxis()) return text;
     insertAfter(text, "[body]\n", "motion = [\"z\"]\n");

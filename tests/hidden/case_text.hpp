@@ -11,7 +11,8 @@
 namespace wems::hidden {
 
 /// Of the device that is handed out, with what its set-up adds; the bracket's modes are in `bracket_file` beside it.
-std::string formatModel(const HiddenCase& hidden, const MountModel& model, const std::string& bracket_file);
+std::string formatModel(const HiddenCase& hidden, const MountModel& model, const Tolerances& tolerances,
+                        const std::string& bracket_file);
 
 /// Errors of a free simulation: identification, validation.
 struct GroupErrors {

@@ -118,11 +118,11 @@ void writeText(const std::string& file, const std::string& text) {
     std::ofstream(file) << text;
 }
 
-void writeModel(const HiddenCase& hidden, const MountModel& model, const std::string& folder, const std::string& name,
-                const std::string& bracket, const std::string& addition) {
+void writeModel(const HiddenCase& hidden, const MountModel& model, const Tolerances& tolerances,
+                const std::string& folder, const std::string& name, const std::string& bracket) {
     if (!model.bracket.empty())
         writeText(folder + "/" + bracket, formatBracketModes(slowDown(model, hidden.time_scale).bracket));
-    writeText(folder + "/" + name, formatModel(hidden, model, bracket) + addition);
+    writeText(folder + "/" + name, formatModel(hidden, model, tolerances, bracket));
 }
 
 void run(int argc, char** argv) {
@@ -136,10 +136,9 @@ void run(int argc, char** argv) {
     const RecordedCase recorded = drawRecorded(choice.options, noise_seed, random);
     const HiddenCase& hidden = recorded.hidden;
     std::filesystem::create_directories(seen);
-    const auto tolerances =
-        choice.tolerance ? formatTolerances(makeTolerances(choice.options.level), hidden.time_scale) : std::string();
-    writeModel(hidden, hidden.believed, seen, "believed.toml", "bracket.csv", tolerances);
-    writeModel(hidden, hidden.truth, folder, "truth.toml", "truth_bracket.csv", {});
+    const Tolerances stated = stateTolerances(makeSmallErrors(choice.options.level), hidden.time_scale);
+    writeModel(hidden, hidden.believed, choice.tolerance ? stated : Tolerances(), seen, "believed.toml", "bracket.csv");
+    writeModel(hidden, hidden.truth, {}, folder, "truth.toml", "truth_bracket.csv");
     const char* names[] = {"run1", "run2", "validate"};
     for (std::size_t r = 0; r < 3; ++r)
         writeCsv(slowDown(recorded.runs.at(r), hidden.time_scale), seen + "/" + names[r] + ".csv", 7);

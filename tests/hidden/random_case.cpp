@@ -250,9 +250,9 @@ HiddenCase drawCase(const CaseOptions& options, Random& random) {
                 if (!scaleOutside(hidden, random)) continue;
             }
             nameAccelerations(hidden);
-            const Tolerances tolerances = makeTolerances(options.level);
-            hidden.small_errors = tolerances.share;
-            hidden.believed = options.level == 0 ? hidden.base : drawBelieved(hidden.base, tolerances, random);
+            const SmallErrors errors = makeSmallErrors(options.level);
+            hidden.small_errors = errors.share;
+            hidden.believed = options.level == 0 ? hidden.base : drawBelieved(hidden.base, errors, random);
             hidden.sensors = drawSensorErrors(options.level, hidden.base.connections.size(), hidden.time_scale, random);
             return hidden;
         }

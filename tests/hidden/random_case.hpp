@@ -35,7 +35,7 @@ struct HiddenCase {
     MountModel base;          ///< the device without its effects, every number exact
     MountModel truth;         ///< with them; `sensors` are hidden faults
     MountModel believed;      ///< `base` with small errors
-    double small_errors = 0;  ///< Tolerances::share of the level
+    double small_errors = 0;  ///< SmallErrors::share of the level
     std::vector<Effect> effects;
     OutsideEffect outside;
     std::array<RunPlan, 3> runs;                            ///< two to identify from, one to validate on

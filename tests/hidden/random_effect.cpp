@@ -20,8 +20,8 @@ public:
           random_(random),
           set_up_(set_up),
           level_(level),
-          own_(makeTolerances(level)),
-          largest_(makeTolerances(2)) {
+          own_(makeSmallErrors(level)),
+          largest_(makeSmallErrors(2)) {
         effect_.cause = cause;
         effect_.variant = "one";
     }
@@ -53,7 +53,7 @@ private:
     double log(double lower, double upper) { return drawLog(random_, lower, upper); }
     bool coin(double probability) { return drawCoin(random_, probability); }
     /// Relative to the value, or in its unit; well beyond the tolerance where there is one.
-    double departure(double Tolerances::*tolerance, double lower, double upper) {
+    double departure(double SmallErrors::*tolerance, double lower, double upper) {
         return level_ == 0 ? log(lower, upper) : uniform(2.5 * own_.*tolerance, 8 * largest_.*tolerance);
     }
     const Connection& drawConnection() {
@@ -68,14 +68,14 @@ private:
             for (const char* axis : {"x", "y", "z"}) {
                 const std::string name = std::string("body.center_of_gravity.") + axis;
                 if (*axis == 'z' || !high_only)
-                    set(name, now(name) + drawSign(random_) * departure(&Tolerances::center_of_gravity, 0.004, 0.06));
+                    set(name, now(name) + drawSign(random_) * departure(&SmallErrors::center_of_gravity, 0.004, 0.06));
             }
         } else if (effect_.cause == "mass") {
-            set("body.mass", now("body.mass") * (1 + drawSign(random_) * departure(&Tolerances::mass, 0.02, 0.2)));
+            set("body.mass", now("body.mass") * (1 + drawSign(random_) * departure(&SmallErrors::mass, 0.02, 0.2)));
         } else if (effect_.cause == "inertia") {
             for (const char* name : {"Ixx", "Iyy", "Izz"}) {
                 const std::string full = std::string("body.inertia.") + name;
-                set(full, now(full) * (1 + departure(&Tolerances::inertia, 0.05, 0.6)));
+                set(full, now(full) * (1 + departure(&SmallErrors::inertia, 0.05, 0.6)));
             }
         } else {
             set("body.spin.z", drawSign(random_) * log(0.15, 3));
@@ -96,8 +96,8 @@ private:
         const std::string& cause = effect_.cause;
         effect_.where = drawAxes();
         const double one = uniform(0, 1), other = uniform(0, 1), sign = drawSign(random_);
-        const double stiffness = departure(&Tolerances::stiffness, 0.05, 0.6);
-        const double damping = departure(&Tolerances::damping, 0.5, 5);
+        const double stiffness = departure(&SmallErrors::stiffness, 0.05, 0.6);
+        const double damping = departure(&SmallErrors::damping, 0.5, 5);
         const auto between = [](double u, double lower, double upper) { return lower * std::pow(upper / lower, u); };
         for (const auto& axis : effect_.where) {
             if (cause == "elastomer_stiffness") {
@@ -142,7 +142,7 @@ private:
             const std::string stop = axis + (coin(0.5) ? ".+" : ".-");
             effect_.where = {stop};
             if (cause == "stop_stiffness") {
-                const double size = departure(&Tolerances::stop_stiffness, 0.3, 2);
+                const double size = departure(&SmallErrors::stop_stiffness, 0.3, 2);
                 set(stop + ".stiffness", now(stop + ".stiffness") * (coin(0.5) ? 1 / (1 + size) : 1 + size));
             } else {
                 drawClearance(axis, stop, clearance);
@@ -154,7 +154,7 @@ private:
     /// missing.
     void drawClearance(const std::string& axis, const std::string& stop, double clearance) {
         const auto factor = [&] {
-            const double size = departure(&Tolerances::clearance, 0.1, 0.5);
+            const double size = departure(&SmallErrors::clearance, 0.1, 0.5);
             return coin(0.5) ? 1 / (1 + size) : 1 + size;
         };
         const double which = uniform(0, 1);
@@ -203,10 +203,10 @@ private:
         const std::string mode = std::to_string(row);
         if (coin(0.65)) {
             set(mode + ".frequency", now(mode + ".frequency") *
-                                         (1 + drawSign(random_) * departure(&Tolerances::mode_frequency, 0.015, 0.2)));
+                                         (1 + drawSign(random_) * departure(&SmallErrors::mode_frequency, 0.015, 0.2)));
         } else {
             set(mode + ".damping_ratio",
-                now(mode + ".damping_ratio") * (1 + departure(&Tolerances::mode_damping_ratio, 1, 5)));
+                now(mode + ".damping_ratio") * (1 + departure(&SmallErrors::mode_damping_ratio, 1, 5)));
         }
     }
 
@@ -230,13 +230,13 @@ private:
         std::string place = triax;
         if (effect_.cause == "sensor_gain") {
             place = triax + "." + drawAxis();
-            set(place + ".gain", 1 + drawSign(random_) * departure(&Tolerances::sensor_gain, 0.02, 0.2));
+            set(place + ".gain", 1 + drawSign(random_) * departure(&SmallErrors::sensor_gain, 0.02, 0.2));
         } else if (effect_.cause == "sensor_delay") {
             const double which = uniform(0, 1);
             place = which < 0.5 ? triax + "." + drawAxis() : which < 0.75 ? triax : side;
             set(place + ".delay", log(3e-4, 3e-3));
         } else {
-            const double angle = departure(&Tolerances::sensor_rotation, 0.03, 0.2);
+            const double angle = departure(&SmallErrors::sensor_rotation, 0.03, 0.2);
             Eigen::Vector3d axis(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
             axis *= angle / axis.norm();
             for (int a = 0; a < 3; ++a) set(place + ".r" + "xyz"[a], axis[a]);
@@ -249,7 +249,7 @@ private:
     Random& random_;
     const SetUp& set_up_;
     int level_;
-    Tolerances own_, largest_;
+    SmallErrors own_, largest_;
     Effect effect_;
 };
 

@@ -9,18 +9,18 @@
 namespace wems::hidden {
 namespace {
 
-TriaxErrors drawTriaxes(const Tolerances& tolerances, std::size_t count, Random& random) {
+TriaxErrors drawTriaxes(const SmallErrors& sizes, std::size_t count, Random& random) {
     TriaxErrors errors;
     const auto columns = static_cast<Eigen::Index>(count);
     errors.gain = errors.rotation = errors.place = Eigen::Matrix3Xd::Zero(3, columns);
     for (Eigen::Index i = 0; i < columns; ++i) {
         Eigen::Vector3d axis;
         for (int a = 0; a < 3; ++a) {
-            errors.gain(a, i) = 1 + tolerances.sensor_gain * drawUniform(random, -1, 1);
-            errors.place(a, i) = tolerances.sensor_position * drawUniform(random, -1, 1);
+            errors.gain(a, i) = 1 + sizes.sensor_gain * drawUniform(random, -1, 1);
+            errors.place(a, i) = sizes.sensor_position * drawUniform(random, -1, 1);
             axis[a] = drawUniform(random, -1, 1);
         }
-        errors.rotation.col(i) = tolerances.sensor_rotation * drawUniform(random, 0, 1) * axis.normalized();
+        errors.rotation.col(i) = sizes.sensor_rotation * drawUniform(random, 0, 1) * axis.normalized();
     }
     return errors;
 }
@@ -28,17 +28,17 @@ TriaxErrors drawTriaxes(const Tolerances& tolerances, std::size_t count, Random&
 }  // namespace
 
 SensorErrors drawSensorErrors(int level, std::size_t count, double time_scale, Random& random) {
-    const Tolerances tolerances = makeTolerances(level);
+    const SmallErrors sizes = makeSmallErrors(level);
     SensorErrors errors;
-    errors.mobile_displacement = drawTriaxes(tolerances, count, random);
-    errors.mobile_acceleration = drawTriaxes(tolerances, count, random);
-    errors.fixed_displacement = drawTriaxes(tolerances, count, random);
-    errors.fixed_acceleration = drawTriaxes(tolerances, count, random);
-    errors.base = drawTriaxes(tolerances, 1, random);
-    errors.load_gain = 1 + tolerances.load_gain * drawUniform(random, -1, 1);
-    errors.load_noise = tolerances.load_noise;
+    errors.mobile_displacement = drawTriaxes(sizes, count, random);
+    errors.mobile_acceleration = drawTriaxes(sizes, count, random);
+    errors.fixed_displacement = drawTriaxes(sizes, count, random);
+    errors.fixed_acceleration = drawTriaxes(sizes, count, random);
+    errors.base = drawTriaxes(sizes, 1, random);
+    errors.load_gain = 1 + sizes.load_gain * drawUniform(random, -1, 1);
+    errors.load_noise = sizes.load_noise;
     errors.filtered = level > 0;
-    errors.pink = tolerances.share * drawUniform(random, 0.3, 1);
+    errors.pink = sizes.share * drawUniform(random, 0.3, 1);
     const double hum = drawUniform(random, 0.3, 2), mains = drawCoin(random, 0.5) ? 50 : 60;
     if (level < 2) return errors;
     errors.hum = hum;

@@ -3,41 +3,39 @@
 #include <array>
 #include <utility>
 
-#include "models/format_number.hpp"
-
 namespace wems::hidden {
 namespace {
 
-std::array<std::pair<const char*, double Tolerances::*>, 16> listKeys() {
-    return {{{"mass", &Tolerances::mass},
-             {"center_of_gravity", &Tolerances::center_of_gravity},
-             {"inertia", &Tolerances::inertia},
-             {"stiffness", &Tolerances::stiffness},
-             {"damping", &Tolerances::damping},
-             {"clearance", &Tolerances::clearance},
-             {"stop_stiffness", &Tolerances::stop_stiffness},
-             {"position", &Tolerances::position},
-             {"mode_frequency", &Tolerances::mode_frequency},
-             {"mode_damping_ratio", &Tolerances::mode_damping_ratio},
-             {"mode_shape", &Tolerances::mode_shape},
-             {"load_gain", &Tolerances::load_gain},
-             {"sensor_gain", &Tolerances::sensor_gain},
-             {"sensor_rotation", &Tolerances::sensor_rotation},
-             {"sensor_position", &Tolerances::sensor_position},
-             {"sensor_delay", &Tolerances::sensor_delay}}};
-}
+using Of = ToleranceOf;
+constexpr std::array<std::pair<Of, double SmallErrors::*>, 16> kMembers{
+    {{Of::mass, &SmallErrors::mass},
+     {Of::center_of_gravity, &SmallErrors::center_of_gravity},
+     {Of::inertia, &SmallErrors::inertia},
+     {Of::stiffness, &SmallErrors::stiffness},
+     {Of::damping, &SmallErrors::damping},
+     {Of::clearance, &SmallErrors::clearance},
+     {Of::stop_stiffness, &SmallErrors::stop_stiffness},
+     {Of::position, &SmallErrors::position},
+     {Of::mode_frequency, &SmallErrors::mode_frequency},
+     {Of::mode_damping_ratio, &SmallErrors::mode_damping_ratio},
+     {Of::mode_shape, &SmallErrors::mode_shape},
+     {Of::load_gain, &SmallErrors::load_gain},
+     {Of::sensor_gain, &SmallErrors::sensor_gain},
+     {Of::sensor_rotation, &SmallErrors::sensor_rotation},
+     {Of::sensor_position, &SmallErrors::sensor_position},
+     {Of::sensor_delay, &SmallErrors::sensor_delay}}};
 
 }  // namespace
 
-Tolerances makeTolerances(int level) {
-    Tolerances tolerances;
-    tolerances.share = 0.5 * level;
-    for (const auto& [key, member] : listKeys()) tolerances.*member *= tolerances.share;
-    tolerances.load_noise *= tolerances.share;
-    return tolerances;
+SmallErrors makeSmallErrors(int level) {
+    SmallErrors errors;
+    errors.share = 0.5 * level;
+    for (const auto& [what, member] : kMembers) errors.*member *= errors.share;
+    errors.load_noise *= errors.share;
+    return errors;
 }
 
-MountModel drawBelieved(const MountModel& exact, const Tolerances& tolerances, Random& random) {
+MountModel drawBelieved(const MountModel& exact, const SmallErrors& errors, Random& random) {
     MountModel model = exact;
     const auto within = [&](double tolerance) { return drawUniform(random, -1, 1) * tolerance; };
     const auto shift = [&](Eigen::Vector3d& vector, double tolerance) {
@@ -45,25 +43,25 @@ MountModel drawBelieved(const MountModel& exact, const Tolerances& tolerances, R
     };
     const auto scale = [&](double& value, double tolerance) { value *= 1 + within(tolerance); };
     const auto scaleShape = [&](Eigen::Vector3d& shape) {
-        for (double& value : shape) scale(value, tolerances.mode_shape);
+        for (double& value : shape) scale(value, errors.mode_shape);
     };
-    scale(model.body.mass, tolerances.mass);
-    shift(model.body.center_of_gravity, tolerances.center_of_gravity);
-    for (int a = 0; a < 3; ++a) scale(model.body.inertia(a, a), tolerances.inertia);
+    scale(model.body.mass, errors.mass);
+    shift(model.body.center_of_gravity, errors.center_of_gravity);
+    for (int a = 0; a < 3; ++a) scale(model.body.inertia(a, a), errors.inertia);
     for (auto& connection : model.connections) {
-        shift(connection.position, tolerances.position);
+        shift(connection.position, errors.position);
         for (auto& law : connection.axis) {
-            scale(law.stiffness, tolerances.stiffness);
-            scale(law.damping, tolerances.damping);
+            scale(law.stiffness, errors.stiffness);
+            scale(law.damping, errors.damping);
             for (auto& stop : law.stops) {
-                scale(stop.clearance, tolerances.clearance);
-                scale(stop.stiffness, tolerances.stop_stiffness);
+                scale(stop.clearance, errors.clearance);
+                scale(stop.stiffness, errors.stop_stiffness);
             }
         }
     }
     for (auto& mode : model.bracket) {
-        scale(mode.frequency, tolerances.mode_frequency);
-        scale(mode.damping_ratio, tolerances.mode_damping_ratio);
+        scale(mode.frequency, errors.mode_frequency);
+        scale(mode.damping_ratio, errors.mode_damping_ratio);
         scaleShape(mode.translation);
         scaleShape(mode.rotation);
         scaleShape(mode.load_translation);
@@ -71,13 +69,11 @@ MountModel drawBelieved(const MountModel& exact, const Tolerances& tolerances, R
     return model;
 }
 
-std::string formatTolerances(const Tolerances& tolerances, double time_scale) {
-    std::string text = "\n[tolerance]\n";
-    for (const auto& [key, member] : listKeys()) {
-        const bool time = member == &Tolerances::sensor_delay;
-        text += std::string(key) + " = " + formatNumber(tolerances.*member * (time ? time_scale : 1.0)) + "\n";
-    }
-    return text;
+Tolerances stateTolerances(const SmallErrors& errors, double time_scale) {
+    Tolerances tolerances;
+    for (const auto& [what, member] : kMembers)
+        tolerances.set(what, errors.*member * (what == Of::sensor_delay ? time_scale : 1.0));
+    return tolerances;
 }
 
 }  // namespace wems::hidden

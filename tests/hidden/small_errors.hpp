@@ -2,16 +2,14 @@
 /// Small errors everywhere: tolerances of a level, and a model drawn within them.
 #pragma once
 
-#include <string>
-
 #include "models/mount_model.hpp"
 #include "tests/hidden/random_numbers.hpp"
 
 namespace wems::hidden {
 
 /// Level 2 has these ± values, level 1 half of them, level 0 none. Relative where no unit is given.
-struct Tolerances {
-    double share = 1;  ///< of level 2
+struct SmallErrors {
+    double share = 1;  ///< of those of level 2
     double mass = 0.005, center_of_gravity = 1e-3 /* m */, inertia = 0.03;
     double stiffness = 0.05, damping = 0.25, clearance = 0.03, stop_stiffness = 0.08;
     double position = 5e-4;  // m
@@ -21,12 +19,12 @@ struct Tolerances {
     double sensor_delay = 2e-5;  // s in unit time; what the AC coupling looks like
 };
 /// @param level 0, 1 or 2
-Tolerances makeTolerances(int level);
+SmallErrors makeSmallErrors(int level);
 
 /// Every number of the device off by at most its tolerance, uniformly drawn.
-MountModel drawBelieved(const MountModel& exact, const Tolerances& tolerances, Random& random);
+MountModel drawBelieved(const MountModel& exact, const SmallErrors& errors, Random& random);
 
-/// The table `[tolerance]` of a model whose device is slower by `time_scale`.
-std::string formatTolerances(const Tolerances& tolerances, double time_scale);
+/// As the believed model states them; of a device that is slower by `time_scale`.
+Tolerances stateTolerances(const SmallErrors& errors, double time_scale);
 
 }  // namespace wems::hidden
