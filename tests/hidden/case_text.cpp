@@ -25,6 +25,10 @@ json vector(const Eigen::Vector3d& v) {
     return {v.x(), v.y(), v.z()};
 }
 
+json formatErrors(const GroupErrors& errors) {
+    return {{"identification", number(errors.identification)}, {"validation", number(errors.validation)}};
+}
+
 json formatEffect(const Effect& effect, const MountModel& truth) {
     json parameters = json::object();
     for (const auto& name : effect.names) parameters[reportName(name)] = number(getParameter(truth, name));
@@ -128,36 +132,35 @@ std::string formatModel(const HiddenCase& hidden, const MountModel& model, const
     return text;
 }
 
-json formatTruth(const HiddenCase& hidden, const GroupErrors& of_truth, const GroupErrors& of_believed) {
+json formatTruth(const HiddenCase& hidden, const ModelErrors& model_errors) {
     const double T = hidden.time_scale;
     const MountModel truth = slowDown(hidden.truth, T);
     auto causes = json::array();
     for (const auto& effect : hidden.effects) causes.push_back(formatEffect(effect, truth));
     const bool displacement = hidden.displacement_noise > 0, acceleration = hidden.acceleration_noise > 0;
     const SensorErrors& errors = hidden.sensors;
-    json result{
-        {"class", hidden.kind},
-        {"causes", causes},
-        {"set_up", formatSetUp(hidden.set_up)},
-        {"recorded", displacement ? acceleration ? "both" : "displacements" : "accelerations"},
-        {"time_scale", T},
-        {"share_of_small_errors", hidden.small_errors},
-        {"change", {{"identification", hidden.change[0]}, {"validation", hidden.change[1]}}},
-        {"error_of_true_model", {{"identification", of_truth.identification}, {"validation", of_truth.validation}}},
-        {"error_of_believed_model",
-         {{"identification", number(of_believed.identification)}, {"validation", number(of_believed.validation)}}},
-        {"noise",
-         {{"displacement", hidden.displacement_noise},
-          {"acceleration", hidden.acceleration_noise / (T * T)},
-          {"pink_over_white", errors.pink},
-          {"hum_over_white", errors.hum},
-          {"hum_frequency", errors.hum_frequency},
-          {"ac_coupling", errors.coupling},
-          {"filtered", errors.filtered},
-          {"load_gain", errors.load_gain},
-          {"load_noise", errors.load_noise}}},
-        {"runs", formatRuns(hidden)},
-        {"parameters", listParameters(hidden, truth)}};
+    json result{{"class", hidden.kind},
+                {"causes", causes},
+                {"set_up", formatSetUp(hidden.set_up)},
+                {"recorded", displacement ? acceleration ? "both" : "displacements" : "accelerations"},
+                {"time_scale", T},
+                {"share_of_small_errors", hidden.small_errors},
+                {"change", {{"identification", hidden.change[0]}, {"validation", hidden.change[1]}}},
+                {"error_of_true_model", formatErrors(model_errors.truth)},
+                {"error_without_effects", formatErrors(model_errors.without)},
+                {"error_of_believed_model", formatErrors(model_errors.believed)},
+                {"noise",
+                 {{"displacement", hidden.displacement_noise},
+                  {"acceleration", hidden.acceleration_noise / (T * T)},
+                  {"pink_over_white", errors.pink},
+                  {"hum_over_white", errors.hum},
+                  {"hum_frequency", errors.hum_frequency},
+                  {"ac_coupling", errors.coupling},
+                  {"filtered", errors.filtered},
+                  {"load_gain", errors.load_gain},
+                  {"load_noise", errors.load_noise}}},
+                {"runs", formatRuns(hidden)},
+                {"parameters", listParameters(hidden, truth)}};
     if (hidden.outside.kind != OutsideEffect::Kind::none)
         result["outside"] = {
             {"kind", formatKind(hidden.outside.kind)},

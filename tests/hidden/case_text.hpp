@@ -14,13 +14,18 @@ namespace wems::hidden {
 std::string formatModel(const HiddenCase& hidden, const MountModel& model, const Tolerances& tolerances,
                         const std::string& bracket_file);
 
-/// Errors of a free simulation: identification, validation.
+/// Errors of a free simulation that is driven by what was recorded.
 struct GroupErrors {
     double identification = 0, validation = 0;
 };
+struct ModelErrors {
+    GroupErrors truth;     ///< the true model, where no sensor has a hidden fault
+    GroupErrors without;   ///< the exact device without its effects, likewise
+    GroupErrors believed;  ///< the believed model on what is handed out
+};
 
 /// Causes, places, true values of all parameters, set-up, runs and sensors, in the time of the device that is handed
-/// out. @param index of the case and the command's options are left to the caller
-nlohmann::json formatTruth(const HiddenCase& hidden, const GroupErrors& of_truth, const GroupErrors& of_believed);
+/// out. The index of the case and the command's options are left to the caller.
+nlohmann::json formatTruth(const HiddenCase& hidden, const ModelErrors& errors);
 
 }  // namespace wems::hidden
