@@ -69,6 +69,12 @@ Bracket::FrameAcceleration Bracket::calcAcceleration(const Eigen::Ref<const Eige
             combine(translation_, eta_dot_dot)};
 }
 
+Eigen::MatrixXd Bracket::calcFrameJacobian(const Eigen::Matrix3d& jacobian) const {
+    Eigen::MatrixXd J(6, modeCount());
+    J << translation_, jacobian * rotation_;
+    return J;
+}
+
 void Bracket::calcAccelerations(const Eigen::Ref<const Eigen::VectorXd>& eta,
                                 const Eigen::Ref<const Eigen::VectorXd>& eta_dot, const Wrench& at_interface,
                                 const Eigen::Vector3d& load, const Eigen::Vector3d& base_acceleration,

@@ -73,6 +73,9 @@ public:
                                        const Eigen::Ref<const Eigen::VectorXd>& eta_dot,
                                        const Eigen::Ref<const Eigen::VectorXd>& eta_dot_dot) const;
 
+    /// (v_GF, w_GF) = J η', 6 x modes, with B(θ) known from calcKinematics.
+    Eigen::MatrixXd calcFrameJacobian(const Eigen::Matrix3d& jacobian) const;
+
     /// η'' under a wrench at Fo, a force at the load point, and a base acceleration (all in G).
     void calcAccelerations(const Eigen::Ref<const Eigen::VectorXd>& eta,
                            const Eigen::Ref<const Eigen::VectorXd>& eta_dot, const Wrench& at_interface,

@@ -7,6 +7,7 @@
 #include "models/bryant.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
+#include "models/guided_motion.hpp"
 #include "models/mount_forces.hpp"
 #include "models/pi.hpp"
 
@@ -17,7 +18,7 @@ namespace {
 class RestNeighbourhood {
 public:
     RestNeighbourhood(const MountModel& model, double omega)
-        : model_(model), bracket_(model.bracket), rest_(findStaticEquilibrium(model)) {
+        : model_(model), bracket_(model.bracket), guide_(model.body), rest_(findStaticEquilibrium(model)) {
         if (rest_.eta.size() == 0) rest_.eta = Eigen::VectorXd::Zero(bracket_.modeCount());
         const MountForces laws(model);
         const Eigen::Index connections = laws.connectionCount();
@@ -42,7 +43,25 @@ public:
         }
     }
 
-    Eigen::Index size() const { return 6 + bracket_.modeCount(); }
+    Eigen::Index size() const { return bodySize() + bracket_.modeCount(); }
+    Eigen::Index bodySize() const { return static_cast<Eigen::Index>(guide_.free().size()); }
+    /// (displacement of Mo, small rotation, modal coordinates) = T x, 6 + modes rows.
+    Eigen::MatrixXd calcReduction(const Eigen::VectorXd& x) const {
+        const Eigen::Index modes = bracket_.modeCount();
+        Eigen::MatrixXd T = Eigen::MatrixXd::Identity(6 + modes, 6 + modes);
+        if (!guide_.active()) return T;
+        const Eigen::VectorXd eta = rest_.eta + x.tail(modes);
+        const Bracket::Kinematics fixed = bracket_.calcKinematics(eta, Eigen::VectorXd::Zero(modes));
+        const BodyMotion mobile = moveMobile(x);
+        T.resize(6 + modes, size());
+        T.setZero();
+        T.topLeftCorner(6, bodySize()) =
+            guide_.freeColumns(calcRelativeJacobian(fixed.motion.R_GF, calcRelativeCoordinates(mobile, fixed.motion)));
+        T.topRightCorner(6, modes) =
+            calcTransport(mobile.p_GM - fixed.motion.p_GF) * bracket_.calcFrameJacobian(fixed.jacobian);
+        T.bottomRightCorner(modes, modes).setIdentity();
+        return T;
+    }
     int connectionCount() const { return static_cast<int>(rest_q_.cols()); }
     const Eigen::Matrix3d& restRotation() const { return rest_.mobile.R_GM; }
     Eigen::Vector3d damping(int connection) const { return damping_.col(connection); }
@@ -52,12 +71,28 @@ public:
         return calcRelativeMotion(moveMobile(x), moveFixed(x), position(connection)).q;
     }
 
+    /// Generalized forces (Mo, rotation, modes) of a unit force at a load point.
+    Eigen::MatrixXd calcLoadMatrix(const LoadPoint& point) const {
+        const Eigen::Index modes = bracket_.modeCount();
+        const bool mobile = point.part == Part::mobile;
+        const Bracket::Kinematics fixed = bracket_.calcKinematics(rest_.eta, Eigen::VectorXd::Zero(modes));
+        Eigen::MatrixXd wrench(6, 3);
+        const Eigen::Matrix3d R = mobile ? rest_.mobile.R_GM : fixed.motion.R_GF;
+        wrench << Eigen::Matrix3d::Identity(), crossMatrix(R * point.position);
+        Eigen::MatrixXd load = Eigen::MatrixXd::Zero(6 + modes, 3);
+        if (mobile)
+            load.topRows(6) = wrench;
+        else
+            load.bottomRows(modes) = bracket_.calcFrameJacobian(fixed.jacobian).transpose() * wrench;
+        return load;
+    }
+
     /// Generalized forces that pull back to rest.
     Eigen::VectorXd calcRestoringForce(const Eigen::VectorXd& x) const {
         const BodyMotion mobile = moveMobile(x);
         const FrameMotion fixed = moveFixed(x);
         const Eigen::Vector3d weight = model_.body.mass * model_.gravity;
-        Eigen::VectorXd force = Eigen::VectorXd::Zero(size());
+        Eigen::VectorXd force = Eigen::VectorXd::Zero(6 + bracket_.modeCount());
         force.head<3>() = -weight;
         force.segment<3>(3) = -(mobile.R_GM * model_.body.center_of_gravity).cross(weight);
         Wrench on_fixed;
@@ -77,6 +112,7 @@ public:
         bracket_.calcAccelerations(eta, Eigen::VectorXd::Zero(eta.size()), on_fixed, Eigen::Vector3d::Zero(),
                                    Eigen::Vector3d::Zero(), modal);
         force.tail(eta.size()) = -modal;
+        if (guide_.active()) return calcReduction(x).transpose() * force;
         return force;
     }
 
@@ -86,6 +122,12 @@ private:
     }
     BodyMotion moveMobile(const Eigen::VectorXd& x) const {
         BodyMotion mobile = rest_.mobile;
+        if (guide_.active()) {
+            Vector6 s = calcRelativeCoordinates(mobile, moveFixed(Eigen::VectorXd::Zero(size())));
+            for (std::size_t j = 0; j < guide_.free().size(); ++j)
+                s[guide_.free()[j]] += x[static_cast<Eigen::Index>(j)];
+            return composeMotion(moveFixed(x), s, Vector6::Zero());
+        }
         mobile.p_GM += x.head<3>();
         mobile.R_GM = rotationFromVector(x.segment<3>(3)) * mobile.R_GM;
         return mobile;
@@ -97,6 +139,7 @@ private:
 
     const MountModel& model_;
     Bracket bracket_;
+    GuidedMotion guide_;
     StaticEquilibrium rest_;
     Eigen::Matrix3Xd rest_q_, rest_force_, stiffness_, damping_;
 };
@@ -121,15 +164,18 @@ Eigen::MatrixXd differentiate(const Function& function, Eigen::Index size) {
 LinearSystem linearize(const MountModel& model, double reference_frequency) {
     const RestNeighbourhood rest(model, kTwoPi * reference_frequency);
     const Eigen::Index n = rest.size();
+    const auto modes = static_cast<Eigen::Index>(model.bracket.size());
+    const Eigen::MatrixXd T = rest.calcReduction(Eigen::VectorXd::Zero(n));
     LinearSystem system;
 
     const Eigen::Matrix3d R = rest.restRotation();
     const Eigen::Matrix3d arm = crossMatrix(R * model.body.center_of_gravity);
-    system.mass = Eigen::MatrixXd::Identity(n, n);
-    system.mass.topLeftCorner<3, 3>() *= model.body.mass;
-    system.mass.block<3, 3>(0, 3) = -model.body.mass * arm;
-    system.mass.block<3, 3>(3, 0) = model.body.mass * arm;
-    system.mass.block<3, 3>(3, 3) = R * model.body.inertia * R.transpose() - model.body.mass * arm * arm;
+    Eigen::MatrixXd mass = Eigen::MatrixXd::Identity(6 + modes, 6 + modes);
+    mass.topLeftCorner<3, 3>() *= model.body.mass;
+    mass.block<3, 3>(0, 3) = -model.body.mass * arm;
+    mass.block<3, 3>(3, 0) = model.body.mass * arm;
+    mass.block<3, 3>(3, 3) = R * model.body.inertia * R.transpose() - model.body.mass * arm * arm;
+    system.mass = T.transpose() * mass * T;
 
     const Eigen::MatrixXd stiffness =
         differentiate([&](const Eigen::VectorXd& x) { return rest.calcRestoringForce(x); }, n);
@@ -141,14 +187,17 @@ LinearSystem linearize(const MountModel& model, double reference_frequency) {
             differentiate([&](const Eigen::VectorXd& x) { return Eigen::VectorXd(rest.calcDisplacement(i, x)); }, n));
         system.damping += system.ends.back().transpose() * rest.damping(i).asDiagonal() * system.ends.back();
     }
-    system.damping.block<3, 3>(3, 3) -= crossMatrix(R * model.body.spin);  // moment −ω × h on the body
-
-    system.load = Eigen::MatrixXd::Zero(n, 3);
-    for (Eigen::Index j = 6; j < n; ++j) {
-        const BracketMode& mode = model.bracket[static_cast<std::size_t>(j - 6)];
-        system.damping(j, j) += 2 * mode.damping_ratio * kTwoPi * mode.frequency;
-        system.load.row(j) = mode.load_translation.transpose();
+    Eigen::MatrixXd damping = Eigen::MatrixXd::Zero(6 + modes, 6 + modes);
+    damping.block<3, 3>(3, 3) = -crossMatrix(R * model.body.spin);  // moment −ω × h on the body
+    Eigen::MatrixXd load = Eigen::MatrixXd::Zero(6 + modes, 3);
+    for (Eigen::Index j = 0; j < modes; ++j) {
+        const BracketMode& mode = model.bracket[static_cast<std::size_t>(j)];
+        damping(6 + j, 6 + j) = 2 * mode.damping_ratio * kTwoPi * mode.frequency;
+        if (!model.load_point) load.row(6 + j) = mode.load_translation.transpose();
     }
+    if (model.load_point) load += rest.calcLoadMatrix(*model.load_point);
+    system.damping += T.transpose() * damping * T;
+    system.load = T.transpose() * load;
     return system;
 }
 

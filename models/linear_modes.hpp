@@ -10,7 +10,8 @@
 namespace wems {
 
 /// M x'' + C x' + K x = B F with x = (displacement of Mo in G, m; small rotation of M about the axes of G, rad; modal
-/// coordinates of the bracket, kg^1/2 m), counted from rest, and F the load at the bracket's load point (N).
+/// coordinates of the bracket, kg^1/2 m), counted from rest, and F the load where the model has it act (N). Of a guided
+/// mobile part (models/guided_motion.hpp) its free coordinates relative to F take the place of the first six.
 ///
 /// K holds the geometric stiffness of gravity. Internal states (relaxation, structural damping) enter as storage and
 /// loss at one reference frequency, kept frozen otherwise; C holds the loss, the dashpots, friction at its slope at

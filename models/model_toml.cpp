@@ -1,4 +1,5 @@
 #include <Eigen/Core>
+#include <algorithm>
 #include <filesystem>
 #include <set>
 #include <string_view>
@@ -95,6 +96,17 @@ MobileBody readBody(TomlTable& table) {
         body.inertia(1, 2) = body.inertia(2, 1) = I[5];
     }
     body.spin = table.findVector("spin").value_or(Eigen::Vector3d::Zero());
+    if (const auto motions = table.findStrings("motion")) {
+        body.free.fill(false);
+        for (const std::string& motion : *motions) {
+            const auto found = std::find(kMotionNames.begin(), kMotionNames.end(), motion);
+            if (found == kMotionNames.end())
+                table.fail("motion", "holds \"" + motion + "\"", "some of \"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"");
+            bool& free = body.free[static_cast<std::size_t>(found - kMotionNames.begin())];
+            if (free) table.fail("motion", "holds \"" + motion + "\" twice", "each motion once");
+            free = true;
+        }
+    }
     body.tolerances = readTolerances(table, "body");
     return body;
 }
@@ -129,14 +141,20 @@ void readBracket(TomlTable& table, const std::string& file, MountModel& model) {
     table.readTables("mode", [&](TomlTable& mode) { replaceMode(mode, model, seen); });
 }
 
-LoadCorrection readLoad(TomlTable& table) {
+void readLoad(TomlTable& table, MountModel& model) {
     const auto gain = table.findNumber("gain");
     const auto rows = table.findPairs("gain_over_frequency");
-    if (gain.has_value() == rows.has_value()) {
-        table.fail("", gain ? "has both gain and gain_over_frequency" : "has no gain", "gain or gain_over_frequency");
-    }
-    if (gain) return {{{0.0, *gain}}};
-    return {*rows};
+    const auto part = table.findString("part");
+    const auto position = table.findVector("position");
+    if (gain && rows) table.fail("", "has both gain and gain_over_frequency", "gain or gain_over_frequency");
+    if (!gain && !rows && !part && !position)
+        table.fail("", "has no gain", "gain or gain_over_frequency, part, position");
+    if (part && *part != "mobile" && *part != "fixed") table.fail("part", "is \"" + *part + "\"", "mobile, fixed");
+    if (gain) model.load = LoadCorrection{{{0.0, *gain}}};
+    if (rows) model.load = LoadCorrection{*rows};
+    const bool mobile = part == "mobile";
+    if (mobile || position)
+        model.load_point = LoadPoint{mobile ? Part::mobile : Part::fixed, position.value_or(Eigen::Vector3d::Zero())};
 }
 
 SensorFault readSensor(TomlTable& table) {
@@ -158,7 +176,7 @@ void readRoot(TomlTable& root, const std::string& file, MountModel& model) {
     root.readTables("connection",
                     [&model](TomlTable& connection) { model.connections.push_back(readConnection(connection)); });
     root.readTable("bracket", [&](TomlTable& bracket) { readBracket(bracket, file, model); });
-    root.readTable("load", [&model](TomlTable& load) { model.load = readLoad(load); });
+    root.readTable("load", [&model](TomlTable& load) { readLoad(load, model); });
     root.readTables("sensor", [&model](TomlTable& sensor) { model.sensors.push_back(readSensor(sensor)); });
     readSensorTables(root, model.places);
     model.tolerances = readTolerances(root);

@@ -85,6 +85,10 @@ void writeBody(const MobileBody& body, Writer& out) {
     }
     out.key("inertia", inertia + "]");
     out.optionalVector("spin", body.spin);
+    std::string free;
+    for (std::size_t i = 0; i < body.free.size(); ++i)
+        if (body.free[i]) free += (free.empty() ? "\"" : ", \"") + std::string(kMotionNames[i]) + "\"";
+    if (body.free != MobileBody().free) out.key("motion", "[" + free + "]");
     out.tolerances(body.tolerances);
 }
 
@@ -160,8 +164,12 @@ void writeBracket(const MountModel& model, const std::string& bracket_file, Writ
     }
 }
 
+void writeLoadPoint(const LoadPoint& point, Writer& out) {
+    out.key("part", point.part == Part::mobile ? "\"mobile\"" : "\"fixed\"");
+    out.key("position", vector(point.position));
+}
+
 void writeLoad(const LoadCorrection& load, Writer& out) {
-    out.line("\n[load]");
     const auto& rows = load.gain_over_frequency;
     if (rows.size() == 1 && rows[0].first == 0) {
         out.number("gain", rows[0].second);
@@ -215,7 +223,9 @@ std::string formatMountModel(const MountModel& model, const std::string& bracket
     writeBody(model.body, out);
     for (const Connection& connection : model.connections) writeConnection(connection, out);
     if (!model.bracket.empty()) writeBracket(model, bracket_file, out);
+    if (model.load || model.load_point) out.line("\n[load]");
     if (model.load) writeLoad(*model.load, out);
+    if (model.load_point) writeLoadPoint(*model.load_point, out);
     for (const SensorFault& sensor : model.sensors) {
         out.line("\n[[sensor]]");
         out.key("channel", quoted(sensor.channel));

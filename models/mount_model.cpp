@@ -34,6 +34,8 @@ void checkBody(const MobileBody& body) {
     requireFinite("body.center_of_gravity", body.center_of_gravity);
     requireFinite("body.spin", body.spin);
     requireFinite("body.inertia", body.inertia);
+    if (std::none_of(body.free.begin(), body.free.end(), [](bool free) { return free; }))
+        fail("body.motion", "is empty", "at least one of x, y, z, rx, ry, rz");
     if (!body.inertia.isApprox(body.inertia.transpose(), 1e-12)) fail("body.inertia", "is not symmetric");
     const Eigen::Vector3d principal =
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body.inertia, Eigen::EigenvaluesOnly).eigenvalues();
@@ -205,6 +207,7 @@ void validate(const MountModel& model) {
         }
     }
     if (model.load) checkLoad(*model.load);
+    if (model.load_point) requireFinite("load.position", model.load_point->position);
     checkSensors(model);
     checkPlaces(model);
     checkAllTolerances(model);

@@ -18,6 +18,9 @@
 
 namespace wems {
 
+/// x y z rx ry rz, as a model file names the motions of the mobile part.
+inline constexpr std::array<const char*, 6> kMotionNames{"x", "y", "z", "rx", "ry", "rz"};
+
 /// The mobile part. All vectors in M.
 struct MobileBody {
     double mass = 0;                                              ///< kg, > 0
@@ -25,6 +28,9 @@ struct MobileBody {
     Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();            ///< about the CoG, kg m², positive definite
     Eigen::Vector3d spin = Eigen::Vector3d::Zero();               ///< angular momentum of the wheel, N m s
     Tolerances tolerances = {};                                   ///< mass, center_of_gravity, inertia of this body
+    /// Motions that it can make relative to F, in the order of kMotionNames; the others are held
+    /// (models/guided_motion.hpp).
+    std::array<bool, 6> free{true, true, true, true, true, true};
 };
 
 /// A connection: three independent axis laws along the mount axes (those of F).
@@ -40,6 +46,12 @@ struct Connection {
 /// Applied load = gain(f) · recorded load; f the swept frequency (Hz). A single gain has one row with frequency 0.
 struct LoadCorrection {
     std::vector<std::pair<double, double>> gain_over_frequency;  ///< (Hz, -), frequencies ascending
+};
+
+/// Where the recorded load acts, if not at the bracket's load point.
+struct LoadPoint {
+    Part part = Part::mobile;                            ///< mobile or fixed
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, in that part's frame
 };
 
 /// What the recording's channel makes of the truth: measured(t) = gain · R(rotation) · true(t − delay).
@@ -63,6 +75,7 @@ struct MountModel {
     std::vector<int> replaced_modes;  ///< from 1: rows that [[bracket.mode]] replaced
     Tolerances tolerances;            ///< [tolerance]; models/model_tolerance.hpp tells which one holds for what
     std::optional<LoadCorrection> load;
+    std::optional<LoadPoint> load_point;  ///< absent: the bracket's load point
     std::vector<SensorFault> sensors;
     std::vector<SensorPlace> places;  ///< sensors that are not at a connection along the mount axes
 

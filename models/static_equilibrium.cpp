@@ -4,13 +4,15 @@
 
 #include "models/bryant.hpp"
 #include "models/error.hpp"
+#include "models/guided_motion.hpp"
 #include "models/mount_forces.hpp"
 
 namespace wems {
 namespace {
 
 /// Unknowns: position of Mo (m), a rotation about G axes (rad), modal coordinates. The rotation is kept as a matrix and
-/// turned by small vectors, so that there is no singular attitude.
+/// turned by small vectors, so that there is no singular attitude. Of a guided part its free coordinates and the modal
+/// ones.
 struct Pose {
     BodyMotion mobile;
     Eigen::VectorXd eta;
@@ -22,13 +24,23 @@ public:
         : model_(model),
           forces_(model),
           bracket_(model.bracket),
+          guide_(model.body),
           zero_modes_(Eigen::VectorXd::Zero(bracket_.modeCount())) {}
 
     Pose initialPose() const { return {BodyMotion{}, zero_modes_}; }
-    Eigen::Index size() const { return 6 + zero_modes_.size(); }
+    Eigen::Index size() const { return bodySize() + zero_modes_.size(); }
 
     Pose move(const Pose& pose, const Eigen::VectorXd& step) const {
         Pose moved = pose;
+        if (guide_.active()) {
+            Vector6 s = calcRelativeCoordinates(pose.mobile, fixedMotion(pose));
+            for (const int i : guide_.held()) s[i] = 0;
+            for (std::size_t j = 0; j < guide_.free().size(); ++j)
+                s[guide_.free()[j]] += step[static_cast<Eigen::Index>(j)];
+            moved.eta += step.tail(zero_modes_.size());
+            moved.mobile = composeMotion(fixedMotion(moved), s, Vector6::Zero());
+            return moved;
+        }
         moved.mobile.p_GM += step.head<3>();
         moved.mobile.R_GM = rotationFromVector(step.segment<3>(3)) * pose.mobile.R_GM;
         moved.eta += step.tail(zero_modes_.size());
@@ -42,7 +54,7 @@ public:
         const FrameMotion fixed = fixedMotion(pose);
         const Eigen::Vector3d weight = model_.body.mass * gravity;
         Wrench on_fixed;
-        Eigen::VectorXd residual = Eigen::VectorXd::Zero(size());
+        Vector6 residual = Vector6::Zero();
         residual.head<3>() = weight;
         residual.segment<3>(3) = (pose.mobile.R_GM * model_.body.center_of_gravity).cross(weight);
         for (int i = 0; i < forces_.connectionCount(); ++i) {
@@ -60,8 +72,20 @@ public:
         Eigen::VectorXd modal(zero_modes_.size());
         bracket_.calcAccelerations(pose.eta, zero_modes_, on_fixed, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
                                    modal);
-        residual.tail(zero_modes_.size()) = modal;
-        return residual;
+        Eigen::VectorXd all(size());
+        if (guide_.active()) {
+            // Virtual work: held directions hand their forces to the fixed part.
+            const Bracket::Kinematics kinematics = bracket_.calcKinematics(pose.eta, zero_modes_);
+            const Matrix6 J = calcRelativeJacobian(fixed.R_GF, calcRelativeCoordinates(pose.mobile, fixed));
+            all.head(bodySize()) = guide_.freeColumns(J).transpose() * residual;
+            modal += (calcTransport(pose.mobile.p_GM - fixed.p_GF) * bracket_.calcFrameJacobian(kinematics.jacobian))
+                         .transpose() *
+                     residual;
+        } else {
+            all.head<6>() = residual;
+        }
+        all.tail(zero_modes_.size()) = modal;
+        return all;
     }
 
     /// Internal states when all has come to rest: dashpots of the branches follow q, bristles are unstretched.
@@ -80,9 +104,12 @@ public:
     }
 
 private:
+    Eigen::Index bodySize() const { return static_cast<Eigen::Index>(guide_.free().size()); }
+
     const MountModel& model_;
     MountForces forces_;
     Bracket bracket_;
+    GuidedMotion guide_;
     Eigen::VectorXd zero_modes_;
 };
 

@@ -125,6 +125,20 @@ std::optional<Eigen::Vector3d> TomlTable::findVector(const std::string& key) {
     return requireVector(key, {});
 }
 
+std::optional<std::vector<std::string>> TomlTable::findStrings(const std::string& key) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return std::nullopt;
+    const char* accepted = "a list of texts in quotes";
+    std::vector<std::string> texts;
+    for (const toml::node& element : toArray(*node, key, accepted)) {
+        const auto* text = element.as_string();
+        if (text == nullptr)
+            fail(key + "[" + std::to_string(texts.size()) + "]", "is of the type " + describe(element), accepted);
+        texts.push_back(text->get());
+    }
+    return texts;
+}
+
 Eigen::Vector3d TomlTable::requireVector(const std::string& key, const std::string& unit) {
     const auto numbers = requireNumbers(key, {3}, "a list of three numbers" + (unit.empty() ? "" : ", " + unit));
     return {numbers[0], numbers[1], numbers[2]};

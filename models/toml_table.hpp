@@ -37,6 +37,8 @@ public:
     std::optional<std::string> findString(const std::string& key);
     std::string requireString(const std::string& key, const std::string& accepted);
     std::optional<Eigen::Vector3d> findVector(const std::string& key);
+    /// Texts of a list; nullopt if absent.
+    std::optional<std::vector<std::string>> findStrings(const std::string& key);
     Eigen::Vector3d requireVector(const std::string& key, const std::string& unit);
     long requireInteger(const std::string& key, const std::string& accepted);
     /// Numbers of a list; every length of `lengths` is accepted.

@@ -3,15 +3,17 @@
 #include <utility>
 
 #include "models/error.hpp"
+#include "models/guided_motion.hpp"
+#include "models/load_point.hpp"
 
 namespace wems::plugin {
 namespace {
 
 const MountModel& checked(const MountModel& model, const Drive* drive) {
     validate(model);
-    if (drive != nullptr && drive->hasLoad() && model.bracket.empty())
+    if (drive != nullptr && drive->hasLoad() && !loadActs(model))
         throw InputError({"", 0, "load"}, "the model has no bracket, so that a force on the fixed part moves nothing",
-                         "a base acceleration, or a model with [bracket]");
+                         "a base acceleration, a model with [bracket], or [load] part = \"mobile\"");
     return model;
 }
 
@@ -26,6 +28,11 @@ Device::Device(const MountModel& model, std::shared_ptr<const Drive> drive, doub
       body_(matter_.updGround(), SimTK::Transform(), SimTK::Body::Rigid(makeMassProperties(model_.body)),
             SimTK::Transform()),
       force_(forces_, body_, model_, drive_) {
+    if (model_.bracket.empty()) {
+        const GuidedMotion guide(model_.body);
+        for (const int i : guide.held())  // the mobilizer has its angles first
+            SimTK::Constraint::ConstantCoordinate(body_, SimTK::MobilizerQIndex(i < 3 ? i + 3 : i - 3), 0);
+    }
     if (!model_.bracket.empty())
         rest_fixed_ = Bracket(model_.bracket).calcMotion(rest_.eta, Eigen::VectorXd::Zero(rest_.eta.size()));
     if (drive_) base_motion_ = std::make_unique<BaseMotion>(*drive_, duration);

@@ -30,6 +30,7 @@ struct DeviceMotion {
 };
 
 /// Mobilizer coordinates are q = (α, β, γ, x, y, z): Bryant angles of M and position of its origin in ground axes.
+/// Held motions of the mobile part are constraints; on a bracket, which is no Simbody body, reactions of the guides.
 /// One Device must not be used by two threads at a time (Simbody 3.7 is not safe there); make one for each.
 class Device {
 public:

@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "models/error.hpp"
+#include "models/guided_motion.hpp"
 #include "models/load_gain.hpp"
+#include "models/load_point.hpp"
 #include "plugin/element_state.hpp"
 
 namespace wems::plugin {
@@ -23,11 +25,17 @@ struct DeviceValues {
           bracket(model.bracket),
           gravity(model.gravity),
           spin(model.body.spin),
-          load(model.load.value_or(LoadCorrection{})) {}
+          load(model.load.value_or(LoadCorrection{})),
+          load_point(model.load_point),
+          body(model.body),
+          guide(model.body) {}
     MountForces laws;
     Bracket bracket;
     Eigen::Vector3d gravity, spin;
     LoadCorrection load;
+    std::optional<LoadPoint> load_point;
+    MobileBody body;
+    GuidedMotion guide;  // of a part held relative to a bracket that moves; otherwise the device has constraints
 };
 
 /// z holds η, η', the laws' internal states, the dissipated energy.
@@ -61,6 +69,7 @@ public:
             base = drive_->calcBaseAcceleration(t);
             if (drive_->hasLoad()) load = calcLoadGain(values.load, drive_->calcFrequency(t)) * drive_->calcLoad(t);
         }
+        load = applyLoad(values.load_point, mobile, fixed, load, on_mobile, on_fixed);
         if (modes_ > 0) {
             const ConstMap eta(z, modes_), eta_dot(z + modes_, modes_);
             Map(zdot, modes_) = eta_dot;
@@ -72,7 +81,11 @@ public:
 
         const Eigen::Vector3d weight = mass_ * (values.gravity - base);
         on_mobile.force += weight;
-        on_mobile.moment += (mobile.R_GM * p_MC_).cross(weight) - mobile.w_GM.cross(mobile.R_GM * values.spin);
+        on_mobile.moment += (mobile.R_GM * p_MC_).cross(weight);
+        if (modes_ > 0 && values.guide.active())
+            guide(values, mobile, fixed, z, zdot, on_mobile);
+        else
+            on_mobile.moment -= mobile.w_GM.cross(mobile.R_GM * values.spin);
         checkFinite(on_mobile, zdot, t);
         state_.markDerivatives(state);
         body_forces[mobile_.getMobilizedBodyIndex()] += toSimTK(on_mobile);
@@ -104,6 +117,26 @@ public:
     const std::string& failure() const { return failure_; }
 
 private:
+    /// Adds the reactions of the guides: to the wrench on the mobile part, and to the modal accelerations in zdot.
+    void guide(const DeviceValues& values, const BodyMotion& mobile, const FrameMotion& fixed, const double* z,
+               double* zdot, Wrench& on_mobile) const {
+        constexpr double stabilization = 200;  // 1/s, slow against the integrator's steps, fast against a run
+        const ConstMap eta(z, modes_), eta_dot(z + modes_, modes_);
+        const Bracket::FrameAcceleration bias =
+            values.bracket.calcAcceleration(eta, eta_dot, Eigen::VectorXd::Zero(modes_));
+        Vector6 frame_bias;
+        frame_bias << bias.linear, bias.angular;
+        const Eigen::Vector3d arm = mobile.R_GM * values.body.center_of_gravity;
+        const Vector6 acceleration = values.guide.calcAcceleration(
+            mobile, fixed, frame_bias, {on_mobile.moment - arm.cross(on_mobile.force), on_mobile.force},
+            values.bracket.calcFrameJacobian(values.bracket.calcKinematics(eta, eta_dot).jacobian),
+            Map(zdot + modes_, modes_), stabilization);
+        const Eigen::Matrix3d inertia = mobile.R_GM * values.body.inertia * mobile.R_GM.transpose();
+        on_mobile.force = values.body.mass * acceleration.head<3>();
+        on_mobile.moment =
+            inertia * acceleration.tail<3>() + mobile.w_GM.cross(inertia * mobile.w_GM) + arm.cross(on_mobile.force);
+    }
+
     // The integrator answers an exception with a shorter step, so that a wild trial step does no harm; where every step
     // fails it gives up, and the last reason kept here is the one to tell.
     [[noreturn]] void fail(double t, const char* reason) const {

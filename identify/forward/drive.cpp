@@ -9,6 +9,7 @@
 #include "identify/forward/step_size.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "models/bryant.hpp"
+#include "models/load_point.hpp"
 
 namespace wems::identify {
 namespace {
@@ -91,6 +92,18 @@ Recording makeLoadRecording(const std::vector<double>& time, const Eigen::Matrix
     return recording;
 }
 
+/// True if the recorded motion of the fixed part drives, rather than what acts on bracket or base.
+bool followsRecordedFrame(const RunMotion& run, const MountModel& model, bool loaded) {
+    if (run.fixed_source != FixedSource::channels) return false;
+    if (model.bracket.empty()) return true;
+    const bool on_mobile = model.load_point && model.load_point->part == Part::mobile;
+    const bool participates = std::any_of(model.bracket.begin(), model.bracket.end(),
+                                          [](const BracketMode& mode) { return !mode.base_participation.isZero(0); });
+    // A base that the modes know nothing of would leave the bracket at rest.
+    if (run.base.cols() > 0) return !participates && (!loaded || on_mobile);
+    return !loaded;
+}
+
 }  // namespace
 
 TimeGrid makeGrid(const RunMotion& run, const MountModel& model) {
@@ -124,9 +137,10 @@ Drive Drive::makeLoad(const std::vector<double>& time, const Eigen::Matrix3Xd& l
     return drive;
 }
 
-Drive Drive::makeFixedMotion(const std::vector<double>& time, const PartMotion& fixed, const TimeGrid& grid) {
+Drive Drive::makeFixedMotion(const std::vector<double>& time, const PartMotion& fixed, const TimeGrid& grid,
+                             const Eigen::Matrix3Xd& load) {
     if (time.size() < 2) throw std::invalid_argument("Drive::makeFixedMotion: at least two samples are needed");
-    Drive drive(grid, time.front());
+    Drive drive = makeLoad(time, load, {}, grid);
     const double interval = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
     const Eigen::Matrix3Xd velocity = interval * fixed.v;
     Eigen::Matrix3Xd rotation_rate(3, fixed.w.cols());
@@ -157,9 +171,12 @@ Bracket::FrameAcceleration Drive::calcFrameAcceleration(int half) const {
 }
 
 Drive Drive::make(const RunMotion& run, const MountModel& model, const TimeGrid& grid) {
-    const bool loaded = run.load.cols() > 0 || run.base.cols() > 0;
-    if (!model.bracket.empty() && loaded) return makeLoad(run.time, run.load, run.base, grid);
-    return makeFixedMotion(run.time, run.fixed, grid);
+    const bool loaded = run.load.cols() > 0 && loadActs(model), based = run.base.cols() > 0;
+    const Eigen::Matrix3Xd load = loaded ? run.load : Eigen::Matrix3Xd();
+    if (followsRecordedFrame(run, model, loaded)) return makeFixedMotion(run.time, run.fixed, grid, load);
+    Drive drive = makeLoad(run.time, load, run.base, grid);
+    if (based) drive.base_displacement_ = tabulate(run.time, run.base_displacement, grid);
+    return drive;
 }
 
 }  // namespace wems::identify

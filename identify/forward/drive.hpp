@@ -44,11 +44,17 @@ public:
                           const TimeGrid& grid);
 
     /// Recorded motion of the fixed part: position and rotation vector cubic Hermite, velocities their derivatives.
+    /// `load` (3 x n, N; may be empty) is a load on the mobile part.
     /// @throws std::invalid_argument if the grid leaves the recorded time.
-    static Drive makeFixedMotion(const std::vector<double>& time, const PartMotion& fixed, const TimeGrid& grid);
+    static Drive makeFixedMotion(const std::vector<double>& time, const PartMotion& fixed, const TimeGrid& grid,
+                                 const Eigen::Matrix3Xd& load = {});
 
-    /// What the error of a free simulation is defined with: load or base acceleration wherever the model has a bracket
-    /// and the run a load or base acceleration, the recorded motion of the fixed part otherwise.
+    /// What the error of a free simulation is defined with:
+    /// - with a bracket: the load and base acceleration that were recorded; the recorded motion of the fixed part if
+    ///   there is neither, or only a base acceleration that the modes have no participation in;
+    /// - without: the recorded motion of the fixed part; where it only follows the base, the base acceleration itself,
+    ///   exact at all frequencies, with all motion relative to the base; where it stands still, nothing;
+    /// - a load on the mobile part always acts.
     static Drive make(const RunMotion& run, const MountModel& model, const TimeGrid& grid);
 
     const TimeGrid& grid() const { return grid_; }
@@ -63,6 +69,8 @@ public:
     /// Load (N) and base acceleration (m/s²) at all table rows, in G; empty if there is none.
     const Eigen::Matrix3Xd& load() const { return load_; }
     const Eigen::Matrix3Xd& base() const { return base_; }
+    /// Displacement of the base (m) where make() knows it, for markers; empty otherwise.
+    const Eigen::Matrix3Xd& baseDisplacement() const { return base_displacement_; }
     /// Swept frequency (Hz) of the load at all table rows; empty without load.
     const Eigen::VectorXd& sweptFrequency() const { return frequency_; }
 
@@ -71,7 +79,7 @@ private:
     TimeGrid grid_;
     double origin_;
     std::vector<FrameMotion> frames_;
-    Eigen::Matrix3Xd load_, base_;
+    Eigen::Matrix3Xd load_, base_, base_displacement_;
     Eigen::VectorXd frequency_;
 };
 

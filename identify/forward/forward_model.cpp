@@ -8,6 +8,7 @@
 
 #include "models/error.hpp"
 #include "models/load_gain.hpp"
+#include "models/load_point.hpp"
 
 namespace wems::identify {
 namespace {
@@ -60,6 +61,7 @@ ForwardModel::ForwardModel(MountModel model)
     : model_(std::move(model)),
       forces_(model_),
       bracket_(model_.bracket),
+      guide_(model_.body),
       inverse_inertia_(model_.body.inertia.inverse()) {
     const Eigen::Index modes = modeCount();
     rest_displacement_ = Vector::Zero(3 * static_cast<Eigen::Index>(forces_.connectionCount()));
@@ -158,6 +160,8 @@ void ForwardModel::calcRates(const double* y, const Forcing& forcing, int half, 
     Wrench on_mobile, on_fixed;
     forces_.calc(body, fixed.motion, forcing.drive.elapsedTime(half), y + at_internal, on_mobile, on_fixed,
                  rates + at_internal);
+    const Eigen::Vector3d load =
+        applyLoad(model_.load_point, body, fixed.motion, forcing.load(half), on_mobile, on_fixed);
 
     const Eigen::Vector3d base = forcing.base(half);
     const ConstMap3 w(y + at_angular);
@@ -172,11 +176,41 @@ void ForwardModel::calcRates(const double* y, const Forcing& forcing, int half, 
     const Eigen::Vector3d momentum = model_.body.inertia * w + model_.body.spin;
     Map3(rates + at_angular) = inverse_inertia_ * (body.R_GM.transpose() * moment - w.cross(momentum));
 
-    if (modes == 0) return;
-    const ConstMap eta(y + at_modes, modes), eta_dot(y + at_modes + modes, modes);
-    Map(rates + at_modes, modes) = eta_dot;
-    bracket_.calcAccelerations(fixed.jacobian, eta, eta_dot, on_fixed, forcing.load(half), base,
-                               Map(rates + at_modes + modes, modes));
+    if (modes > 0) {
+        const ConstMap eta(y + at_modes, modes), eta_dot(y + at_modes + modes, modes);
+        Map(rates + at_modes, modes) = eta_dot;
+        bracket_.calcAccelerations(fixed.jacobian, eta, eta_dot, on_fixed, load, base,
+                                   Map(rates + at_modes + modes, modes));
+    }
+    if (guide_.active())
+        guide(y, body, fixed, forcing, half, {moment, on_mobile.force + model_.body.mass * (model_.gravity - base)},
+              rates);
+}
+
+void ForwardModel::guide(const double* y, const BodyMotion& body, const Bracket::Kinematics& fixed,
+                         const Forcing& forcing, int half, const Wrench& applied, double* rates) const {
+    const Eigen::Index modes = forcing.drive.prescribesMotion() ? 0 : modeCount();
+    Eigen::MatrixXd frame_jacobian(6, modes);
+    Vector6 frame_bias = Vector6::Zero();
+    if (modes > 0) {
+        frame_jacobian = bracket_.calcFrameJacobian(fixed.jacobian);
+        const Bracket::FrameAcceleration bias = bracket_.calcAcceleration(
+            ConstMap(y + at_modes, modes), ConstMap(y + at_modes + modes, modes), Vector::Zero(modes));
+        frame_bias << bias.linear, bias.angular;
+    } else if (forcing.drive.prescribesMotion()) {
+        const Bracket::FrameAcceleration bias = forcing.drive.calcFrameAcceleration(half);
+        frame_bias << bias.linear, bias.angular;
+    }
+    const Vector6 acceleration = guide_.calcAcceleration(body, fixed.motion, frame_bias, applied, frame_jacobian,
+                                                         Map(rates + at_modes + modes, modes), 0);
+    Map3(rates + at_velocity) = acceleration.head<3>();
+    Map3(rates + at_angular) = body.R_GM.transpose() * acceleration.tail<3>();
+}
+
+void ForwardModel::project(double* y, const Drive& drive, int half) const {
+    ForwardState state = unpack(y, drive);
+    guide_.project(state.mobile, calcFrame(y, drive, half));
+    pack(state, drive, y);
 }
 
 void ForwardModel::calcDisplacement(const double* y, const Drive& drive, int half, double* q) const {
@@ -189,8 +223,17 @@ void ForwardModel::calcDisplacement(const double* y, const Drive& drive, int hal
     }
 }
 
+ForwardState ForwardModel::restState(const Drive& drive) const {
+    if (!drive.prescribesMotion()) return rest_;
+    ForwardState state = rest_;
+    FrameMotion rest_frame;
+    if (modeCount() > 0) rest_frame = bracket_.calcMotion(rest_.eta, rest_.eta_dot);
+    state.mobile = composeMotion(drive.frame(0), calcRelativeCoordinates(rest_.mobile, rest_frame), Vector6::Zero());
+    return state;
+}
+
 Simulation ForwardModel::simulate(const Drive& drive, Keep keep) const {
-    return simulate(drive, rest_, 0, drive.grid().samples, keep);
+    return simulate(drive, restState(drive), 0, drive.grid().samples, keep);
 }
 
 Simulation ForwardModel::simulate(const Drive& drive, const ForwardState& initial, int first_sample, int sample_count,
@@ -203,6 +246,7 @@ Simulation ForwardModel::simulate(const Drive& drive, const ForwardState& initia
     const Eigen::Index size = stateSize(drive);
     Vector y(size), stage(size), k1(size), k2(size), k3(size), k4(size);
     pack(initial, drive, y.data());
+    if (guide_.active()) project(y.data(), drive, grid.halfStepOf(first_sample));
     Simulation result;
     result.first_sample = first_sample;
     result.q.resize(rest_displacement_.size(), sample_count);
@@ -230,6 +274,7 @@ Simulation ForwardModel::simulate(const Drive& drive, const ForwardState& initia
             calcRates(stage.data(), forcing, half + 2, k4.data());
             y += (h / 6) * (k1 + 2 * (k2 + k3) + k4);
             y.segment<4>(at_quaternion).normalize();
+            if (guide_.active()) project(y.data(), drive, half + 2);
         }
     }
     result.final_state = unpack(y.data(), drive);

@@ -1,6 +1,7 @@
 /// @file
 /// Free simulation of a mount, fast enough to be run thousands of times: the exact rigid body on its connections,
-/// driven by a load on the modal bracket or by the recorded motion of the fixed part.
+/// driven by a load on the modal bracket or on the mobile part, by a base acceleration, or by the recorded motion of
+/// the fixed part.
 ///
 /// Equations. With c the CoG (M axes), h the wheel's angular momentum (M axes), w the angular velocity in M axes, and
 /// F, T the mount's force and moment about the CoG (models/mount_forces.hpp):
@@ -10,6 +11,9 @@
 ///
 /// Orientation is a unit quaternion, so that large rotations are exact. Under a base acceleration everything is
 /// relative to the base, which moves without turning; accelerations of markers are absolute.
+///
+/// Held motions of the mobile part (`[body] motion`) obey models/guided_motion.hpp: accelerations with the guides'
+/// reactions, and what the integration leaves in held directions is set to zero after each step.
 ///
 /// Method: classical Runge–Kutta of fourth order, fixed steps (identify/forward/step_size.hpp tells how long). Fixed
 /// steps make the result a smooth function of the parameters between contacts, which finite differences need. A stop
@@ -23,6 +27,7 @@
 
 #include "identify/forward/drive.hpp"
 #include "models/bracket.hpp"
+#include "models/guided_motion.hpp"
 #include "models/mount_forces.hpp"
 
 namespace wems::identify {
@@ -68,10 +73,13 @@ public:
 
     /// Static equilibrium: mobile part at rest, states relaxed.
     const ForwardState& restState() const { return rest_; }
+    /// Rest at the start of a drive: where the fixed part's motion is prescribed, the mobile part at rest relative to
+    /// it, so that a table that is moving already takes it along.
+    ForwardState restState(const Drive& drive) const;
     /// Relative displacements (3·connections) of the static equilibrium; zero without gravity.
     const Eigen::VectorXd& restDisplacement() const { return rest_displacement_; }
 
-    /// Simulates all samples of the drive's grid from the static equilibrium.
+    /// Simulates all samples of the drive's grid from restState(drive).
     /// @throws SimulationDiverged, std::invalid_argument (samples outside the grid, state of another model), InputError
     /// (load correction over frequency, but the load is no sweep).
     Simulation simulate(const Drive& drive, Keep keep = Keep::displacement) const;
@@ -105,12 +113,16 @@ private:
     FrameMotion calcFrame(const double* y, const Drive& drive, int half) const;
     Bracket::FrameAcceleration calcFrameAcceleration(const double* y, const double* rates, const Drive& drive,
                                                      int half) const;
+    void guide(const double* y, const BodyMotion& body, const Bracket::Kinematics& fixed, const Forcing& forcing,
+               int half, const Wrench& applied, double* rates) const;
+    void project(double* y, const Drive& drive, int half) const;
     void calcRates(const double* y, const Forcing& forcing, int half, double* rates) const;
     void calcDisplacement(const double* y, const Drive& drive, int half, double* q) const;
 
     MountModel model_;
     MountForces forces_;
     Bracket bracket_;
+    GuidedMotion guide_;
     Eigen::Matrix3d inverse_inertia_;
     ForwardState rest_;
     Eigen::VectorXd rest_displacement_;

@@ -43,15 +43,18 @@ MarkerMotion ForwardModel::calcMarkers(const Simulation& simulation, const Drive
         const Bracket::FrameAcceleration fixed = calcFrameAcceleration(y, rates, drive, half);
         const Eigen::Vector3d base = drive.base().cols() > 0 ? Eigen::Vector3d(drive.base().col(half))
                                                              : Eigen::Vector3d(Eigen::Vector3d::Zero());
+        const Eigen::Vector3d table = drive.baseDisplacement().cols() > 0
+                                          ? Eigen::Vector3d(drive.baseDisplacement().col(half))
+                                          : Eigen::Vector3d(Eigen::Vector3d::Zero());
         const Eigen::Vector3d cog(Eigen::Map<const Eigen::Vector3d>(rates + at_velocity) + base);
         const Eigen::Vector3d angular = body.R_GM * Eigen::Map<const Eigen::Vector3d>(rates + at_angular);
         for (Eigen::Index i = 0; 3 * i < rows; ++i) {
             const Eigen::Vector3d& r = model_.connections[static_cast<std::size_t>(i)].position;
             const Eigen::Vector3d fixed_arm = frame.R_GF * r;
             markers.mobile_displacement.block<3, 1>(3 * i, k) =
-                body.p_GM + body.R_GM * r - (rest_.mobile.p_GM + rest_.mobile.R_GM * r);
+                table + body.p_GM + body.R_GM * r - (rest_.mobile.p_GM + rest_.mobile.R_GM * r);
             markers.fixed_displacement.block<3, 1>(3 * i, k) =
-                frame.p_GF + fixed_arm - (rest_frame.p_GF + rest_frame.R_GF * r);
+                table + frame.p_GF + fixed_arm - (rest_frame.p_GF + rest_frame.R_GF * r);
             markers.mobile_acceleration.block<3, 1>(3 * i, k) =
                 calcPointAcceleration(cog, angular, body.w_GM, body.R_GM * (r - model_.body.center_of_gravity));
             markers.fixed_acceleration.block<3, 1>(3 * i, k) =

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "identify/motion/differentiation.hpp"
+#include "identify/motion/part_motion.hpp"
 #include "identify/motion/spectrum.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "identify/motion/uniform_time.hpp"
@@ -50,6 +51,28 @@ bool findAxis(const Recording& recording, ChannelName name, double lowest, Axis&
     return true;
 }
 
+/// The mobile part with positions that belong to those of the fixed part. Where only the fixed part's were integrated,
+/// the table's slow motion would be in one and not in the other: there the difference of the accelerations is
+/// integrated instead (translations exactly, rotations to first order), whose ends are at rest as the filter wants it.
+PartMotion matchBand(const RunMotion& run, const MountModel& model) {
+    PartMotion mobile = run.mobile;
+    if (!(run.fixed_trusted_from > 0) || run.mobile_trusted_from > 0) return mobile;
+    const StaticEquilibrium rest = findStaticEquilibrium(model);
+    const BodyMotion fixed_rest = findFixedRest(model, rest);
+    const auto integrate = [&](const Eigen::Matrix3Xd& acceleration, int row) -> Eigen::RowVectorXd {
+        return integrateTwice(acceleration.row(row).transpose(), run.interval, run.fixed_trusted_from).x.transpose();
+    };
+    const Eigen::Matrix3Xd a = run.mobile.a - run.fixed.a, alpha = run.mobile.alpha - run.fixed.alpha;
+    mobile.p = run.fixed.p.colwise() + (rest.mobile.p_GM - fixed_rest.p_GM);
+    mobile.theta =
+        run.fixed.theta.colwise() + (vectorFromRotation(rest.mobile.R_GM) - vectorFromRotation(fixed_rest.R_GM));
+    for (int i = 0; i < 3; ++i) {
+        mobile.p.row(i) += integrate(a, i);
+        mobile.theta.row(i) += integrate(alpha, i);
+    }
+    return mobile;
+}
+
 }  // namespace
 
 Eigen::VectorXd calcRestDisplacement(const MountModel& model) {
@@ -71,14 +94,15 @@ RelativeDisplacement calcRelativeDisplacement(const RunMotion& run, const MountM
     result.file = run.file;
     result.time = run.time;
     result.notes = run.notes;
-    result.from_accelerations = !run.mobile.displacement_measured;
+    result.from_accelerations = !run.mobile.displacement_measured || run.fixed_trusted_from > 0;
     const auto samples = static_cast<Eigen::Index>(run.time.size());
     const auto connections = static_cast<Eigen::Index>(model.connections.size());
     result.q.resize(3 * connections, samples);
+    const PartMotion mobile = matchBand(run, model);
     for (Eigen::Index k = 0; k < samples; ++k) {
         const Eigen::Matrix3d R_FG = rotationFromVector(run.fixed.theta.col(k)).transpose();
-        const Eigen::Matrix3d R_FM = R_FG * rotationFromVector(run.mobile.theta.col(k));
-        const Eigen::Vector3d p_FM = R_FG * (run.mobile.p.col(k) - run.fixed.p.col(k));
+        const Eigen::Matrix3d R_FM = R_FG * rotationFromVector(mobile.theta.col(k));
+        const Eigen::Vector3d p_FM = R_FG * (mobile.p.col(k) - run.fixed.p.col(k));
         for (Eigen::Index i = 0; i < connections; ++i) {
             const Eigen::Vector3d& r = model.connections[static_cast<std::size_t>(i)].position;
             result.q.block<3, 1>(3 * i, k) = p_FM + R_FM * r - r;

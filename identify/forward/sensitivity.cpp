@@ -13,7 +13,7 @@ Eigen::MatrixXd simulateWith(const MountModel& model, const std::string& name, d
     setParameter(changed, name, value);
     const ForwardModel forward(std::move(changed));
     return forward
-        .simulate(drive, window.initial ? *window.initial : forward.restState(), window.first_sample,
+        .simulate(drive, window.initial ? *window.initial : forward.restState(drive), window.first_sample,
                   window.sample_count)
         .q;
 }

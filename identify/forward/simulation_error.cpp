@@ -5,7 +5,8 @@
 namespace wems::identify {
 
 PreparedRun prepareRun(const RunMotion& run, const MountModel& model, double lowest_frequency) {
-    PreparedRun prepared{Drive::make(run, model, makeGrid(run, model)), calcRelativeDisplacement(run, model)};
+    PreparedRun prepared{Drive::make(run, model, makeGrid(run, model)), calcRelativeDisplacement(run, model), {}};
+    prepared.start = findStartMotion(run, model, prepared.drive);
     prepared.measured.lowest_frequency = lowest_frequency;
     if (prepared.measured.from_accelerations) removeSlowMotion(prepared.measured, lowest_frequency);
     return prepared;
@@ -17,7 +18,9 @@ RelativeDisplacement simulateRun(const MountModel& model, const PreparedRun& run
     simulated.file = run.measured.file;
     simulated.time = run.measured.time;
     simulated.names = run.measured.names;
-    simulated.q = forward.simulate(run.drive).q.colwise() - forward.restDisplacement();
+    const ForwardState initial = makeInitialState(forward, run.start, run.drive);
+    simulated.q =
+        forward.simulate(run.drive, initial, 0, run.drive.grid().samples).q.colwise() - forward.restDisplacement();
     simulated.lowest_frequency = run.measured.lowest_frequency;
     if (run.measured.from_accelerations) removeSlowMotion(simulated, simulated.lowest_frequency);
     return simulated;

@@ -2,8 +2,11 @@
 /// The error of a model on a run: its free simulation against the measured relative displacements.
 #pragma once
 
+#include <optional>
+
 #include "identify/forward/compare.hpp"
 #include "identify/forward/drive.hpp"
+#include "identify/forward/initial_state.hpp"
 
 namespace wems::identify {
 
@@ -11,13 +14,15 @@ namespace wems::identify {
 struct PreparedRun {
     Drive drive;
     RelativeDisplacement measured;
+    std::optional<StartMotion> start;  ///< empty: rest
 };
 
 /// @param lowest_frequency Hz, lowest excited frequency; only used where the run rests on accelerations alone
 /// @param model chooses the step and the way of driving (load wherever there is a bracket and a load)
 PreparedRun prepareRun(const RunMotion& run, const MountModel& model, double lowest_frequency);
 
-/// Free simulation from rest, relative displacements from rest; filtered as the measured ones are.
+/// Free simulation from the run's start (rest, or the motion that it begins with), relative displacements from rest;
+/// filtered as the measured ones are.
 RelativeDisplacement simulateRun(const MountModel& model, const PreparedRun& run);
 
 /// The sums of squares, to be pooled over runs. @throws SimulationDiverged

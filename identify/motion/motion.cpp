@@ -1,7 +1,9 @@
 #include "identify/motion/motion.hpp"
 
 #include <algorithm>
+#include <optional>
 
+#include "identify/motion/guided_part_motion.hpp"
 #include "identify/motion/part_motion.hpp"
 #include "identify/motion/uniform_time.hpp"
 #include "models/error.hpp"
@@ -23,14 +25,27 @@ Eigen::Matrix3Xd collectVector(const Recording& recording, Part part) {
     return values;
 }
 
-PartEstimate estimateFixed(const Recording& recording, const MountModel& model, const RunMotion& run,
-                           const BodyMotion& rest) {
-    if (hasChannels(recording, Part::fixed)) return estimatePart(recording, model, Part::fixed, rest);
+PartEstimate estimateFixed(const Recording& recording, const MountModel& model, const PartEstimate* base,
+                           RunMotion& run, const BodyMotion& rest) {
+    if (hasChannels(recording, Part::fixed)) {
+        const bool guided = model.body.free != MobileBody().free;
+        const bool all_six = determinesPart(recording, model, Part::fixed, rest);
+        // A rigid table whose own sensors tell too little is the base that it stands on.
+        const bool follows_base = base != nullptr && model.bracket.empty();
+        if (all_six || (!guided && !follows_base)) return estimatePart(recording, model, Part::fixed, rest);
+        if (guided && (!follows_base || determinesGuided(recording, model, Part::fixed, rest)))
+            return estimateGuided(recording, model, Part::fixed, rest,
+                                  makeStandstill(rest, static_cast<Eigen::Index>(run.time.size())));
+    }
     if (!model.bracket.empty())
         throw InputError({recording.file, 0, "fixed"},
                          "the model has a bracket, so the fixed part moves, but no channel of it was recorded",
                          "fixed.<connection>.<x|y|z|ax|ay|az>, or a model without [bracket]");
-    if (run.base.cols() > 0) return estimateTranslation(recording, run.base, rest);
+    if (base != nullptr) {
+        run.fixed_source = FixedSource::base;
+        return *base;
+    }
+    run.fixed_source = FixedSource::still;
     PartEstimate estimate;
     estimate.motion = makeStandstill(rest, static_cast<Eigen::Index>(run.time.size()));
     estimate.trusted_to = 0.25 / run.interval;
@@ -53,8 +68,18 @@ RunMotion estimateMotion(const Recording& recording, const MountModel& model) {
     run.base = collectVector(uniform, Part::base);
 
     const StaticEquilibrium equilibrium = findStaticEquilibrium(model);
-    PartEstimate mobile = estimatePart(uniform, model, Part::mobile, equilibrium.mobile);
-    PartEstimate fixed = estimateFixed(uniform, model, run, findFixedRest(model, equilibrium));
+    const BodyMotion fixed_rest = findFixedRest(model, equilibrium);
+    std::optional<PartEstimate> base;
+    if (run.base.cols() > 0) {
+        base = estimateTranslation(uniform, run.base, fixed_rest);
+        run.base_displacement = base->motion.p.colwise() - fixed_rest.p_GM;
+    }
+    PartEstimate fixed = estimateFixed(uniform, model, base ? &*base : nullptr, run, fixed_rest);
+    const bool guided = model.body.free != MobileBody().free;
+    PartEstimate mobile = guided ? estimateGuided(uniform, model, Part::mobile, equilibrium.mobile, fixed.motion)
+                                 : estimatePart(uniform, model, Part::mobile, equilibrium.mobile);
+    run.mobile_trusted_from = mobile.trusted_from;
+    run.fixed_trusted_from = fixed.trusted_from;
     run.trusted_from = std::max(mobile.trusted_from, fixed.trusted_from);
     run.trusted_to = std::min(mobile.trusted_to, fixed.trusted_to);
     run.notes.insert(run.notes.end(), mobile.notes.begin(), mobile.notes.end());

@@ -34,15 +34,25 @@ struct PartMotion {
     Eigen::Matrix<double, 6, 6> acceleration_covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
+/// What the motion of the fixed part rests on.
+enum class FixedSource {
+    channels,  ///< its own
+    base,      ///< it follows the recorded base
+    still      ///< neither: it stands still
+};
+
 /// Motion of both parts in one run.
 struct RunMotion {
     std::string file;
     std::vector<double> time;  ///< s, uniform (resampled where the recording's was not, which `notes` says)
     double interval = 0;       ///< s
     PartMotion mobile, fixed;
-    Eigen::Matrix3Xd load;           ///< N at the bracket's load point in G; empty if not recorded
-    Eigen::Matrix3Xd base;           ///< m/s²; empty if not recorded
-    double trusted_from = 0;         ///< Hz: below this, displacements derived from accelerations say nothing
+    FixedSource fixed_source = FixedSource::channels;
+    Eigen::Matrix3Xd load;               ///< N in G, where the model has it act; empty if not recorded
+    Eigen::Matrix3Xd base;               ///< m/s²; empty if not recorded
+    Eigen::Matrix3Xd base_displacement;  ///< m, from `base`, above 0.6 of the lowest excited frequency; empty without
+    double trusted_from = 0;  ///< Hz: below this, displacements derived from accelerations say nothing, of either part
+    double mobile_trusted_from = 0, fixed_trusted_from = 0;  ///< Hz, of each part; 0 where displacements were measured
     double trusted_to = 0;           ///< Hz: above this, derived accelerations or velocities are not to be trusted
     std::vector<std::string> notes;  ///< how each missing quantity was derived and in which band it is trusted
 };
@@ -53,8 +63,12 @@ struct RunMotion {
 /// - Both: displacement and acceleration fused by the penalised least squares that weighs each by its noise; no bias in
 /// any band.
 /// - One alone: the other derived, zero-phase; the notes say how.
-/// A model without bracket whose recording has no `fixed` channels stands still (base motion excepted).
-/// @throws InputError if the six motions cannot be recovered, naming which.
+/// Of a guided mobile part (`[body] motion`) only the free motions are determined, relative to the fixed part; the held
+/// ones are those of the fixed part. Of the fixed part then the free directions suffice: what its channels do not tell
+/// is taken as zero. All motion is absolute, as the channels are.
+/// A model without bracket whose recording has no `fixed` channels, or too few, follows the recorded base; without base
+/// it stands still.
+/// @throws InputError if the motions cannot be recovered, naming which.
 RunMotion estimateMotion(const Recording& recording, const MountModel& model);
 
 }  // namespace wems::identify

@@ -31,6 +31,8 @@ constexpr double sweep_margin = 3;
 constexpr double largest_rotation = 1.6;
 /// No measurement is better than this part of its own RMS: keeps weights finite for noise-free data.
 constexpr double noise_floor = 1e-9;
+/// Of channels that are zero throughout (m, m/s²): a part that stands still is not weighed by 0/0.
+constexpr double least_displacement_noise = 1e-15, least_acceleration_noise = 1e-12;
 
 const char* nameOf(Part part) {
     return part == Part::mobile ? "mobile part" : "fixed part";
@@ -179,13 +181,14 @@ private:
         Eigen::Matrix3Xd rate = Eigen::Matrix3Xd::Zero(3, motion.p.cols());
         motion.w = rate;
         const Vector6 x_unit = displacement_.calcUnitDeviations(), a_unit = acceleration_.calcUnitDeviations();
-        const double x_noise = std::max(motion.displacement_noise, noise_floor * rms(motion.p.colwise() - rest_.p_GM));
+        const double x_noise = std::max(
+            {motion.displacement_noise, least_displacement_noise, noise_floor * rms(motion.p.colwise() - rest_.p_GM)});
         double a_noise = 0;
         Eigen::MatrixXd residuals;
         for (int pass = 0; pass < max_passes; ++pass) {
             solveAccelerations(&residuals);
             motion.acceleration_noise = estimateNoise(acceleration_, residuals, motion.a);
-            a_noise = std::max(motion.acceleration_noise, noise_floor * rms(motion.a));
+            a_noise = std::max({motion.acceleration_noise, least_acceleration_noise, noise_floor * rms(motion.a)});
             const Eigen::Matrix3Xd second = calcVectorAccelerations(rate);
             for (int i = 0; i < 3; ++i) {
                 const FusedSignal fused =
@@ -305,6 +308,12 @@ PartEstimate estimatePart(const Recording& recording, const MountModel& model, P
     return PartEstimator(recording, model, part, rest).estimate();
 }
 
+bool determinesPart(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest) {
+    for (const Derivative derivative : {Derivative::displacement, Derivative::velocity, Derivative::acceleration})
+        if (RigidFit(collectChannels(recording, model, part, derivative), rest).undetermined().empty()) return true;
+    return false;
+}
+
 PartEstimate estimateTranslation(const Recording& recording, const Eigen::Matrix3Xd& acceleration,
                                  const BodyMotion& rest) {
     PartEstimate estimate;
@@ -325,7 +334,7 @@ PartEstimate estimateTranslation(const Recording& recording, const Eigen::Matrix
         }
     }
     estimate.notes.push_back(
-        "fixed part: no channels of its own, it follows the base; base acceleration integrated "
+        "fixed part: no channels of its own, or too few, it follows the base; base acceleration integrated "
         "twice, zero-phase, which says nothing below " +
         formatHertz(estimate.trusted_from));
     return estimate;

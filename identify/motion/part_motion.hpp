@@ -24,6 +24,9 @@ struct PartEstimate {
 /// @throws InputError if neither displacements nor accelerations determine all six motions, naming those left open.
 PartEstimate estimatePart(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest);
 
+/// True if displacement, velocity or acceleration channels of this part determine all six motions.
+bool determinesPart(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest);
+
 /// A part that translates with a measured acceleration (base motion).
 PartEstimate estimateTranslation(const Recording& recording, const Eigen::Matrix3Xd& acceleration,
                                  const BodyMotion& rest);

@@ -87,6 +87,11 @@ public:
         }
         if (chance()) model.sensors.push_back({"mobile.c1.az", number(0.8, 1.2), number(-1e-3, 1e-3), vector(0.1)});
         if (chance()) drawTolerances(model);
+        if (chance()) {
+            for (bool& motion : model.body.free) motion = chance();
+            model.body.free[static_cast<std::size_t>(integer(0, 5))] = true;
+        }
+        if (chance()) model.load_point = LoadPoint{chance() ? Part::mobile : Part::fixed, vector(0.2)};
         return model;
     }
 

@@ -48,6 +48,12 @@ void checkSame(const MountModel& a, const MountModel& b) {
     CHECK(a.body.center_of_gravity == b.body.center_of_gravity);
     CHECK(a.body.inertia == b.body.inertia);
     CHECK(a.body.spin == b.body.spin);
+    CHECK(a.body.free == b.body.free);
+    REQUIRE(a.load_point.has_value() == b.load_point.has_value());
+    if (a.load_point) {
+        CHECK(a.load_point->part == b.load_point->part);
+        CHECK(a.load_point->position == b.load_point->position);
+    }
     CHECK(a.tolerances == b.tolerances);
     CHECK(a.body.tolerances == b.body.tolerances);
     REQUIRE(a.connections.size() == b.connections.size());
@@ -100,6 +106,10 @@ TEST_CASE("every key lands in its place") {
     inertia << 0.12, 0.001, -0.002, 0.001, 0.13, 0.003, -0.002, 0.003, 0.03;
     CHECK(model.body.inertia == inertia);
     CHECK(model.body.spin == Vector3d(0, 0.1, 3));
+    CHECK(model.body.free == std::array<bool, 6>{true, true, true, true, false, true});
+    REQUIRE(model.load_point);
+    CHECK(model.load_point->part == Part::mobile);
+    CHECK(model.load_point->position == Vector3d(0.01, 0.02, 0.1));
     REQUIRE(model.connections.size() == 2);
     CHECK(model.connectionIndex("right") == 1);
     CHECK_THROWS_WITH(model.connectionIndex("up"), Catch::Contains("up") && Catch::Contains("left, right"));
