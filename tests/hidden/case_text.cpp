@@ -112,10 +112,6 @@ json formatRuns(const HiddenCase& hidden) {
     return runs;
 }
 
-void insertAfter(std::string& text, const std::string& line, const std::string& addition) {
-    text.insert(text.find(line) + line.size(), addition);
-}
-
 }  // namespace
 
 std::string formatModel(const HiddenCase& hidden, const MountModel& model, const Tolerances& tolerances,
@@ -123,13 +119,7 @@ std::string formatModel(const HiddenCase& hidden, const MountModel& model, const
     MountModel slow = slowDown(model, hidden.time_scale);
     slow.replaced_modes.clear();  // its own modes file has them
     slow.tolerances = tolerances;
-    std::string text = formatMountModel(slow, bracket_file);
-    if (!hidden.set_up.oneAxis()) return text;
-    insertAfter(text, "[body]\n", "motion = [\"z\"]\n");
-    if (hidden.set_up.shaken) return text;
-    if (!slow.load) text += "\n[load]\n";
-    insertAfter(text, "[load]\n", "part = \"mobile\"\nposition = [0.0, 0.0, 0.0]\n");
-    return text;
+    return formatMountModel(slow, bracket_file);
 }
 
 json formatTruth(const HiddenCase& hidden, const ModelErrors& model_errors) {

@@ -10,7 +10,7 @@
 
 namespace wems::hidden {
 
-/// Of the device that is handed out, with what its set-up adds; the bracket's modes are in `bracket_file` beside it.
+/// Of the device that is handed out; the bracket's modes are in `bracket_file` beside it.
 std::string formatModel(const HiddenCase& hidden, const MountModel& model, const Tolerances& tolerances,
                         const std::string& bracket_file);
 

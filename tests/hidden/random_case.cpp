@@ -241,6 +241,7 @@ HiddenCase drawCase(const CaseOptions& options, Random& random) {
         for (int device = 0; device < 3; ++device) {
             MountModel model = hidden.set_up.oneAxis() ? drawAxisDevice(random) : drawDevice(random);
             if (hidden.set_up.kind != SetUp::Kind::bracket) model.bracket.clear();
+            if (hidden.set_up.oneAxis() && hidden.set_up.loaded()) model.load_point = LoadPoint{};
             drawRuns(hidden, excitation, random);
             if (!drawVisible(hidden, model, wanted, options.level, random)) continue;
             const bool drops = hidden.truth.load && hidden.truth.load->gain_over_frequency.size() > 1;

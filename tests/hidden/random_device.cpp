@@ -69,6 +69,7 @@ MountModel drawDevice(Random& random) {
 MountModel drawAxisDevice(Random& random) {
     MountModel model;
     model.name = "random rig";
+    model.body.free = {false, false, true, false, false, false};
     model.body.mass = drawLog(random, 0.5, 10);
     model.body.inertia = 1e-2 * model.body.mass * Eigen::Matrix3d::Identity();
     const int count = drawInteger(random, 1, 2);
