@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 
 #include "models/bryant.hpp"
 #include "models/error.hpp"
@@ -16,7 +17,8 @@ namespace {
 /// Exact kinematics about rest, with the forces of one axis linear in its displacement.
 class RestNeighbourhood {
 public:
-    RestNeighbourhood(const MountModel& model, double omega)
+    /// @param omega rad/s, at which branches are frozen; none: they are left out
+    RestNeighbourhood(const MountModel& model, std::optional<double> omega)
         : model_(model), bracket_(model.bracket), rest_(findStaticEquilibrium(model)) {
         if (rest_.eta.size() == 0) rest_.eta = Eigen::VectorXd::Zero(bracket_.modeCount());
         const MountForces laws(model);
@@ -34,7 +36,11 @@ public:
                 const auto& friction = axis.law().friction;
                 if (friction && friction->presliding_stiffness) stiffness_(k, i) += *friction->presliding_stiffness;
                 for (const MaxwellBranch& branch : axis.branches()) {
-                    const double product = omega * branch.time_constant;
+                    if (!omega) {
+                        branches_.push_back({i, k, branch});
+                        continue;
+                    }
+                    const double product = *omega * branch.time_constant;
                     stiffness_(k, i) += branch.stiffness * product * product / (1 + product * product);
                     damping_(k, i) += branch.stiffness * branch.time_constant / (1 + product * product);
                 }
@@ -46,6 +52,17 @@ public:
     int connectionCount() const { return static_cast<int>(rest_q_.cols()); }
     const Eigen::Matrix3d& restRotation() const { return rest_.mobile.R_GM; }
     Eigen::Vector3d damping(int connection) const { return damping_.col(connection); }
+    const std::vector<LinearBranch>& branches() const { return branches_; }
+
+    /// Position of an end in G.
+    Eigen::Vector3d calcMobileEnd(int connection, const Eigen::VectorXd& x) const {
+        const BodyMotion mobile = moveMobile(x);
+        return mobile.p_GM + mobile.R_GM * position(connection);
+    }
+    Eigen::Vector3d calcFixedEnd(int connection, const Eigen::VectorXd& x) const {
+        const FrameMotion fixed = moveFixed(x);
+        return fixed.p_GF + fixed.R_GF * position(connection);
+    }
 
     /// q of a connection, F axes, after a small motion x from rest.
     Eigen::Vector3d calcDisplacement(int connection, const Eigen::VectorXd& x) const {
@@ -99,6 +116,7 @@ private:
     Bracket bracket_;
     StaticEquilibrium rest_;
     Eigen::Matrix3Xd rest_q_, rest_force_, stiffness_, damping_;
+    std::vector<LinearBranch> branches_;
 };
 
 /// Columns: central differences of `function` along each coordinate. The functions are smooth; the step is large
@@ -116,12 +134,11 @@ Eigen::MatrixXd differentiate(const Function& function, Eigen::Index size) {
     return jacobian;
 }
 
-}  // namespace
-
-LinearSystem linearize(const MountModel& model, double reference_frequency) {
-    const RestNeighbourhood rest(model, kTwoPi * reference_frequency);
+LinearSystem linearizeAt(const MountModel& model, std::optional<double> omega) {
+    const RestNeighbourhood rest(model, omega);
     const Eigen::Index n = rest.size();
     LinearSystem system;
+    system.branches = rest.branches();
 
     const Eigen::Matrix3d R = rest.restRotation();
     const Eigen::Matrix3d arm = crossMatrix(R * model.body.center_of_gravity);
@@ -140,16 +157,32 @@ LinearSystem linearize(const MountModel& model, double reference_frequency) {
         system.ends.push_back(
             differentiate([&](const Eigen::VectorXd& x) { return Eigen::VectorXd(rest.calcDisplacement(i, x)); }, n));
         system.damping += system.ends.back().transpose() * rest.damping(i).asDiagonal() * system.ends.back();
+        system.mobile_ends.push_back(
+            differentiate([&](const Eigen::VectorXd& x) { return Eigen::VectorXd(rest.calcMobileEnd(i, x)); }, n));
+        system.fixed_ends.push_back(
+            differentiate([&](const Eigen::VectorXd& x) { return Eigen::VectorXd(rest.calcFixedEnd(i, x)); }, n));
     }
     system.damping.block<3, 3>(3, 3) -= crossMatrix(R * model.body.spin);  // moment −ω × h on the body
 
     system.load = Eigen::MatrixXd::Zero(n, 3);
+    system.base = -system.mass.leftCols<3>();  // inertia forces of the mobile part; of the bracket below
     for (Eigen::Index j = 6; j < n; ++j) {
         const BracketMode& mode = model.bracket[static_cast<std::size_t>(j - 6)];
         system.damping(j, j) += 2 * mode.damping_ratio * kTwoPi * mode.frequency;
         system.load.row(j) = mode.load_translation.transpose();
+        system.base.row(j) = -mode.base_participation.transpose();
     }
     return system;
+}
+
+}  // namespace
+
+LinearSystem linearize(const MountModel& model, double reference_frequency) {
+    return linearizeAt(model, kTwoPi * reference_frequency);
+}
+
+LinearSystem linearizeExactly(const MountModel& model) {
+    return linearizeAt(model, std::nullopt);
 }
 
 LinearModes findLinearModes(const LinearSystem& system) {
