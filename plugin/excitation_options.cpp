@@ -53,9 +53,11 @@ Excitation makeExcitation(const SimulateOptions& options) {
     Excitation excitation;
     excitation.drive = makeSignalDrive(named.signal, options.force, options.base_acceleration, named.swept);
     excitation.description = named.description;
+    // Without a unit the level of a spectrum is a factor.
+    const bool factor = options.kind->takes_bare_level && !options.level_has_unit;
     excitation.level = options.force.isZero()
-                           ? "base acceleration " + formatVector(options.base_acceleration) + " m/s^2"
-                           : "force " + formatVector(options.force) + " N";
+                           ? "base acceleration " + formatVector(options.base_acceleration) + (factor ? "" : " m/s^2")
+                           : "force " + formatVector(options.force) + (factor ? "" : " N");
     const double duration = std::min(named.signal->duration(), options.duration.value_or(INFINITY));
     excitation.times = makeUniformTimes(options.sample_rate.value_or(1000), duration);
     return excitation;
