@@ -59,6 +59,19 @@ public:
         const BodyMotion mobile = moveMobile(x);
         return mobile.p_GM + mobile.R_GM * position(connection);
     }
+    /// Displacement and small rotation of M and of F.
+    Eigen::VectorXd calcMobileFrame(const Eigen::VectorXd& x) const {
+        const BodyMotion mobile = moveMobile(x);
+        Eigen::VectorXd frame(6);
+        frame << mobile.p_GM, vectorFromRotation(mobile.R_GM * rest_.mobile.R_GM.transpose());
+        return frame;
+    }
+    Eigen::VectorXd calcFixedFrame(const Eigen::VectorXd& x) const {
+        const FrameMotion fixed = moveFixed(x), rest = moveFixed(Eigen::VectorXd::Zero(size()));
+        Eigen::VectorXd frame(6);
+        frame << fixed.p_GF, vectorFromRotation(fixed.R_GF * rest.R_GF.transpose());
+        return frame;
+    }
     Eigen::Vector3d calcFixedEnd(int connection, const Eigen::VectorXd& x) const {
         const FrameMotion fixed = moveFixed(x);
         return fixed.p_GF + fixed.R_GF * position(connection);
@@ -162,6 +175,8 @@ LinearSystem linearizeAt(const MountModel& model, std::optional<double> omega) {
         system.fixed_ends.push_back(
             differentiate([&](const Eigen::VectorXd& x) { return Eigen::VectorXd(rest.calcFixedEnd(i, x)); }, n));
     }
+    system.mobile_frame = differentiate([&](const Eigen::VectorXd& x) { return rest.calcMobileFrame(x); }, n);
+    system.fixed_frame = differentiate([&](const Eigen::VectorXd& x) { return rest.calcFixedFrame(x); }, n);
     system.damping.block<3, 3>(3, 3) -= crossMatrix(R * model.body.spin);  // moment −ω × h on the body
 
     system.load = Eigen::MatrixXd::Zero(n, 3);

@@ -27,7 +27,9 @@ struct LinearSystem {
     Eigen::MatrixXd base;  ///< generalized force for each m/s² of base acceleration; x is relative to the base
     std::vector<Eigen::MatrixXd> ends;  ///< q_i = ends[i] x: relative displacement of each connection, F axes
     std::vector<Eigen::MatrixXd> mobile_ends, fixed_ends;  ///< displacement of both ends of each connection, G axes
-    std::vector<LinearBranch> branches;                    ///< empty where they are frozen in C and K
+    Eigen::MatrixXd mobile_frame,
+        fixed_frame;                     ///< displacement of Mo and Fo, small rotations of M and F: 6 rows, G axes
+    std::vector<LinearBranch> branches;  ///< empty where they are frozen in C and K
 };
 
 /// @param reference_frequency Hz, at which internal states are evaluated

@@ -1,7 +1,6 @@
 // The report of a linear analysis.
 #include <cmath>
 
-#include "models/bracket.hpp"
 #include "models/format_number.hpp"
 #include "models/pi.hpp"
 #include "models/report/html_report.hpp"
@@ -39,13 +38,8 @@ SceneRun makeModeRun(const LinearAnalysis& analysis, std::size_t number) {
     for (Eigen::Index frame = 0; frame < kFrames; ++frame) {
         const double angle = kTwoPi * static_cast<double>(frame) / kFrames;
         const Eigen::VectorXd x = amplitude * (mode.shape * std::polar(1.0, angle)).real();
-        run.mobile.col(frame) = x.head<6>();
-        for (std::size_t j = 0; j < analysis.model.bracket.size(); ++j) {
-            const BracketMode& own = analysis.model.bracket[j];
-            const double eta = x[6 + static_cast<Eigen::Index>(j)];
-            run.fixed.col(frame).head<3>() += eta * own.translation;
-            run.fixed.col(frame).tail<3>() += eta * own.rotation;
-        }
+        run.mobile.col(frame) = analysis.system.mobile_frame * x;
+        run.fixed.col(frame) = analysis.system.fixed_frame * x;
     }
     return run;
 }
