@@ -36,6 +36,7 @@ def make_reports(simulate, identify, device, folder):
         "fit": ["fit", *runs, "--model", "believed.toml"],
         "element": ["fit", "axial.csv", "--model", "device.toml", "--connection", 4, "--axis", "z"],
         "diagnose": ["diagnose", "axial.csv", "--validate", "lateral.csv", "--model", "believed.toml"],
+        "spectra": ["spectra", *runs, "--model", "device.toml"],
         "inspect": ["inspect", "axial.csv"],
         "compare": ["compare", "axial.csv", "believed.csv", "--model", "device.toml"],
         "surface": ["surface", "axial.csv", "--connection", 4, "--axis", "z"],
