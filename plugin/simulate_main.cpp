@@ -13,6 +13,7 @@
 #include "models/recording/recording_writer.hpp"
 #include "models/terminal.hpp"
 #include "plugin/linear_command.hpp"
+#include "plugin/response_command.hpp"
 #include "plugin/simulate_options.hpp"
 #include "plugin/simulation.hpp"
 #include "plugin/summary.hpp"
@@ -60,6 +61,7 @@ void noteSampleRate(const SimulateOptions& options, const Excitation& excitation
 }
 
 void run(const SimulateOptions& options) {
+    if (!options.response.empty()) return runResponseCurves(options);
     if (options.isLinear()) return runLinearAnalysis(options);
     const MountModel model = readMountModel(options.model_file);
     const Excitation excitation = makeExcitation(options);

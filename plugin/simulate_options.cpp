@@ -53,6 +53,10 @@ std::map<std::string, double> parseAssignments(const std::string& text, const st
 Eigen::Vector3d takeLevel(const std::string& text, const std::string& option, Quantity quantity,
                           SimulateOptions& options) {
     if (text.empty()) return Eigen::Vector3d::Zero();
+    if (!options.response.empty()) {
+        options.levels = parseLevels(text, option, quantity);
+        return options.levels.front().value;
+    }
     const Level level = parseLevel(text, option, quantity);
     options.level_is_bare = options.level_is_bare || level.bare;
     options.level_has_unit = options.level_has_unit || level.with_unit;
@@ -112,7 +116,9 @@ constexpr const char* footer =
     "What the linear model says without a run: modes, transfer functions, response to a random test:\n"
     "  simulate smallsat.toml --modes --report modes.html\n"
     "  simulate smallsat.toml --frf 5:100 --base-acceleration z -o transfer.csv\n"
-    "  simulate smallsat.toml --modes --psd test.csv --base-acceleration z";
+    "  simulate smallsat.toml --modes --psd test.csv --base-acceleration z\n"
+    "Both branches of the nonlinear response at four levels:\n"
+    "  simulate smallsat.toml --response 5:50 --force z=100,200,300,400 --report response.html";
 
 /// Finds the one excitation among the values that were given to the options of excitationKinds().
 void chooseExcitation(const std::vector<std::string>& values, SimulateOptions& options) {
@@ -124,6 +130,9 @@ void chooseExcitation(const std::vector<std::string>& values, SimulateOptions& o
         options.signal = values[i];
     }
     if (options.isLinear()) return;
+    if (!options.response.empty() && given == 0) return;
+    if (!options.response.empty())
+        throw InputError({"", 0, "--response"}, "is a run of its own", "no other excitation");
     if (given != 1)
         throw InputError({"", 0, "excitation"}, given == 0 ? "none is given" : "more than one is given",
                          "one of " + listExcitations(true));
@@ -146,9 +155,20 @@ void checkLinearOptions(const SimulateOptions& options, int levels) {
                          "--frf f0:f1 or --psd FILE, or --json FILE");
 }
 
+void checkResponseOptions(const SimulateOptions& options, int levels) {
+    if (options.isLinear() || options.kind != nullptr || !options.replay_file.empty())
+        throw InputError({"", 0, "--response"}, "goes with no other question", "--response alone");
+    if (levels != 1)
+        throw InputError({"", 0, "level"}, levels == 0 ? "none is given" : "both force and base acceleration are given",
+                         "one of --force z=100,200,300 and --base-acceleration z=0.5g,1g");
+    for (const Level& level : options.levels)
+        if (level.bare) throw InputError({"", 0, "level"}, "an axis has no value", "amplitudes such as z=100,200,300");
+}
+
 /// Everything that CLI11 cannot check by itself.
 void checkOptions(const SimulateOptions& options) {
     const int levels = !options.force.isZero() + !options.base_acceleration.isZero();
+    if (!options.response.empty()) return checkResponseOptions(options, levels);
     if (options.isLinear()) return checkLinearOptions(options, levels);
     if (options.level_is_bare && !(options.kind != nullptr && options.kind->takes_bare_level))
         throw InputError({"", 0, "level"}, "an axis has no value", "values such as z=200, with or without a unit");
@@ -195,6 +215,10 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     app.add_flag("--modes", options.modes,
                  "no run: modes with damping and effective masses, rest position, clearances left there");
     app.add_option("--frf", options.band, "no run: transfer functions of the linear model over f0:f1 in Hz");
+    app.add_option("--response", options.response,
+                   "no run: periodic responses over f0:f1 in Hz, every branch, stable or not, at levels such as "
+                   "--force z=100,200,300");
+    app.add_option("--harmonics", options.harmonics, "of --response (default 15)");
     app.add_option("--rate", options.octaves_per_minute, "logarithmic sweep rate, octaves per minute (default 4)");
     app.add_option("--linear-rate", options.hertz_per_second, "linear sweep rate, Hz per second");
     addInputFile(app, "--from-csv", options.replay_file,

@@ -7,9 +7,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "plugin/drive.hpp"
 #include "plugin/excitation_kinds.hpp"
+#include "plugin/level_option.hpp"
 #include "plugin/recorder.hpp"
 #include "plugin/sensor_noise.hpp"
 
@@ -29,6 +31,9 @@ struct SimulateOptions {
     bool modes = false;  ///< natural modes and rest position
     std::string band;    ///< f0:f1 of transfer functions, Hz; empty: none
     bool isLinear() const { return modes || !band.empty(); }
+    std::string response;       ///< f0:f1 of response curves, Hz; empty: none
+    std::vector<Level> levels;  ///< of them
+    int harmonics = 15;         ///< of them
 
     std::optional<double> octaves_per_minute, hertz_per_second;   ///< of a sweep; without both 4 octaves per minute
     double fade = 0;                                              ///< s, at start and end
