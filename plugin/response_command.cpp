@@ -26,8 +26,8 @@ std::string describeLevel(const SimulateOptions& options, const Eigen::Vector3d&
 
 const char* nameInstability(Instability instability) {
     switch (instability) {
-        case Instability::fold:
-            return "fold";
+        case Instability::real:
+            return "fold or pitchfork";
         case Instability::period_doubling:
             return "period doubling";
         case Instability::neimark_sacker:

@@ -20,7 +20,7 @@ struct LevelResponse {
 /// Computes, prints and writes what was asked for. @throws InputError
 void runResponseCurves(const SimulateOptions& options);
 
-/// `fold`, `period doubling`, `Neimark-Sacker`, or empty
+/// `fold or pitchfork`, `period doubling`, `Neimark-Sacker`, or empty
 const char* nameInstability(Instability instability);
 
 std::string formatResponses(const MountModel& model, const std::vector<LevelResponse>& levels, TextStyle style);

@@ -1,7 +1,7 @@
 // The report of response curves.
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "models/format_number.hpp"
 #include "models/report/html_report.hpp"
@@ -11,24 +11,33 @@
 namespace wems::plugin {
 namespace {
 
-/// The points of a curve for which `wanted` holds, with gaps where it does not; a point beside joins stretches.
+/// Size of a picture's axes, Hz and mm.
+struct Frame {
+    double width, height;
+};
+
+/// The curve, which goes to and fro, as closely spaced points where `wanted` holds at both ends of a stretch.
+/// @param every so that other parts look thinner: one of so many points
 template <class Wanted>
-Series pick(const std::string& name, const ResponseCurve& curve, Eigen::Index axis, int color, const Wanted& wanted,
-            bool joined) {
+Series trace(const std::string& name, const ResponseCurve& curve, Eigen::Index axis, int color, const Frame& frame,
+             int every, const Wanted& wanted) {
+    constexpr double across = 900, up = 450;  // points, on the page
     Series series{name, {}, {}};
     series.color = color;
-    for (std::size_t i = 0; i < curve.points.size(); ++i) {
-        const ResponsePoint& point = curve.points[i];
-        const bool beside = joined && i > 0 && wanted(curve.points[i - 1]);
-        series.x.push_back(point.frequency);
-        series.y.push_back(wanted(point) || beside ? 1e3 * point.amplitude[axis]
-                                                   : std::numeric_limits<double>::quiet_NaN());
+    series.points = true;
+    int count = 0;
+    for (std::size_t i = 1; i < curve.points.size(); ++i) {
+        const ResponsePoint &a = curve.points[i - 1], &b = curve.points[i];
+        if (!wanted(a) || !wanted(b)) continue;
+        const double dx = b.frequency - a.frequency, dy = 1e3 * (b.amplitude[axis] - a.amplitude[axis]);
+        const double steps = std::ceil(std::max(std::abs(dx) / frame.width * across, std::abs(dy) / frame.height * up));
+        for (double k = 0; k < steps; ++k) {
+            if (count++ % every != 0) continue;
+            series.x.push_back(a.frequency + dx * k / steps);
+            series.y.push_back(1e3 * a.amplitude[axis] + dy * k / steps);
+        }
     }
     return series;
-}
-
-bool hasAny(const Series& series) {
-    return std::any_of(series.y.begin(), series.y.end(), [](double y) { return std::isfinite(y); });
 }
 
 }  // namespace
@@ -80,16 +89,18 @@ void writeResponseReport(const MountModel& model, const std::vector<LevelRespons
             plot->x_label = "frequency [Hz]";
             plot->y_label = "amplitude [mm]";
         }
+        const ResponseCurve& any = levels.front().curve;
+        const Frame frame{any.points.back().frequency - any.points.front().frequency, 1e3 * largest[axis]};
+        constexpr int sparse = 6;
         for (std::size_t i = 0; i < levels.size(); ++i) {
             const auto color = static_cast<int>(i);
             const ResponseCurve& curve = levels[i].curve;
-            branches.series.push_back(pick(levels[i].level, curve, axis, color, stable, true));
-            Series marked = pick(levels[i].level + ", unstable", curve, axis, color, unstable, false);
-            marked.points = true;
-            if (hasAny(marked)) branches.series.push_back(std::move(marked));
-            Series touched = pick(levels[i].level, curve, axis, color, touching, false);
-            touched.points = true;
-            if (hasAny(touched)) contact.series.push_back(std::move(touched));
+            const std::string& name = levels[i].level;
+            branches.series.push_back(trace(name, curve, axis, color, frame, 1, stable));
+            for (auto& [plot, series] :
+                 {std::pair{&branches, trace(name + ", unstable", curve, axis, color, frame, sparse, unstable)},
+                  std::pair{&contact, trace(name, curve, axis, color, frame, 1, touching)}})
+                if (!series.x.empty()) plot->series.push_back(series);
         }
         page.addPlot(branches);
         if (!contact.series.empty()) page.addPlot(contact);

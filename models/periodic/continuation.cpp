@@ -141,7 +141,7 @@ std::string Continuation::follow(const std::function<bool(const CurvePoint&)>& v
 
     const double band = (settings_.to - settings_.from) / frequency_unit_;
     const double longest = settings_.longest_step * band, longest_Q = 20 * settings_.longest_step;
-    constexpr double shortest = 1e-7, corner = 2e-3, straight = 0.95, growth = 1.6, shrink = 0.5;
+    constexpr double shortest = 1e-7, straight = 0.95, growth = 1.6, shrink = 0.5;
     constexpr int quick = 4, slow = 7;
     double step = longest;
     for (int count = 0; count < settings_.most_points; ++count) {
@@ -163,8 +163,7 @@ std::string Continuation::follow(const std::function<bool(const CurvePoint&)>& v
             if (iterations > 0) {
                 setTangent(point, next);
                 const double turn = next.along_Q.dot(point.along_Q) + next.along_frequency * point.along_frequency;
-                // Where a sample begins to touch a stop the curve has a corner, which no step is short enough for.
-                if (turn > straight || length < corner) {
+                if (turn > straight) {
                     next.length = point.length + std::hypot((next.Q - point.Q).norm() / amplitude_unit_,
                                                             (next.frequency - point.frequency) / frequency_unit_);
                     point = std::move(next);

@@ -73,7 +73,8 @@ Eigen::VectorXcd calcFloquetMultipliers(const HarmonicBalance& balance, const Ei
     for (Eigen::Index a = 0; a < axes; ++a) {
         const HarmonicBalance::History history = balance.calcHistory(Q, frequency, a, 0.5);
         for (Eigen::Index i = 0; i < count; ++i) {
-            const auto value = system.axes()[static_cast<std::size_t>(a)].calcValue(history.q[i], history.v[i]);
+            const auto value = system.axes()[static_cast<std::size_t>(a)].calcValue(history.q[i], history.v[i],
+                                                                                    balance.halfCell(frequency));
             stiffness(a, i) = value.stiffness;
             damping(a, i) = value.damping;
         }
@@ -113,7 +114,7 @@ Instability findInstability(const Eigen::VectorXcd& multipliers) {
     if (!(std::abs(multipliers[0]) > 1 + neutral)) return Instability::none;
     constexpr double real = 1e-6;
     if (std::abs(multipliers[0].imag()) > real) return Instability::neimark_sacker;
-    return multipliers[0].real() > 0 ? Instability::fold : Instability::period_doubling;
+    return multipliers[0].real() > 0 ? Instability::real : Instability::period_doubling;
 }
 
 }  // namespace wems

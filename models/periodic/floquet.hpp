@@ -16,8 +16,10 @@ namespace wems {
 /// its angle too little, f₀ the motion's frequency and N the samples.
 Eigen::VectorXcd calcFloquetMultipliers(const HarmonicBalance& balance, const Eigen::VectorXd& Q, double frequency);
 
-/// What a motion loses its stability to: the largest multiplier crosses the unit circle at +1, at −1, or elsewhere.
-enum class Instability { none, fold, period_doubling, neimark_sacker };
+/// Where the largest multiplier lies outside of the unit circle: beyond +1 (between two folds, or where a symmetric
+/// motion has lost its symmetry), beyond −1 (the period doubles), elsewhere (a second frequency appears:
+/// quasi-periodic).
+enum class Instability { none, real, period_doubling, neimark_sacker };
 Instability findInstability(const Eigen::VectorXcd& multipliers);
 
 }  // namespace wems

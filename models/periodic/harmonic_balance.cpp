@@ -35,9 +35,8 @@ HarmonicBalance::HarmonicBalance(const PeriodicSystem& system, int harmonics)
       harmonics_(harmonics),
       axes_(static_cast<Eigen::Index>(system.axes().size())),
       coefficients_(2 * harmonics + 1) {
-    // Kinks of stops spread over all harmonics: so many times of a period keep small what folds back, and the corners
-    // that the curve gets where one more of them touches a stop.
-    constexpr int samples_per_harmonic = 32, fewest = 256;
+    // Kinks of stops spread over all harmonics: so many times of a period keep small what folds back.
+    constexpr int samples_per_harmonic = 24, fewest = 256;
     const Eigen::Index count = std::max(fewest, samples_per_harmonic * harmonics);
     fillBasis(harmonics, count, 0, basis_, slope_basis_);
     projection_ = 2.0 / static_cast<double>(count) * basis_.transpose();
@@ -73,7 +72,8 @@ HarmonicBalance::Nonlinear HarmonicBalance::calcNonlinear(const Eigen::VectorXd&
         const auto own = Q.segment(a * coefficients_, coefficients_);
         const Eigen::VectorXd q = basis_ * own, v = omega * (slope_basis_ * own);
         for (Eigen::Index i = 0; i < samples(); ++i) {
-            const NonlinearAxis::Value value = system_.axes()[static_cast<std::size_t>(a)].calcValue(q[i], v[i]);
+            const NonlinearAxis::Value value =
+                system_.axes()[static_cast<std::size_t>(a)].calcValue(q[i], v[i], halfCell(frequency));
             n[i] = value.force;
             stiffness[i] = value.stiffness;
             damping[i] = value.damping;

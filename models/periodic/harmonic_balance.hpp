@@ -28,6 +28,8 @@ public:
     Eigen::Index unknowns() const { return axes_ * coefficients_; }
     Eigen::Index coefficients() const { return coefficients_; }  ///< of one axis, 2H + 1
     Eigen::Index samples() const { return basis_.rows(); }       ///< times in a period
+    /// Half of the time between two of them, s.
+    double halfCell(double frequency) const { return 0.5 / (frequency * static_cast<double>(samples())); }
 
     /// G_k and E_1 at one frequency.
     struct Linear {

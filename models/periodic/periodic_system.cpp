@@ -1,6 +1,8 @@
 #include "models/periodic/periodic_system.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "models/error.hpp"
 #include "models/load_gain.hpp"
@@ -31,14 +33,31 @@ NonlinearAxis::NonlinearAxis(int connection, int axis, const AxisForce& force, d
     for (const MaxwellBranch& branch : force.branches()) branches_ += branch.stiffness;
 }
 
-NonlinearAxis::Value NonlinearAxis::calcValue(double q, double v) const {
+NonlinearAxis::Value NonlinearAxis::calcValue(double q, double v, double half) const {
     // Branches whose dashpots follow q carry nothing: they belong to the linear part.
     std::array<double, kMostStates> relaxed{};
     relaxed.fill(rest_ + q);
     const double* z = relaxed.data();
-    return {force_.calcForce(rest_ + q, v, 0, z) - rest_force_ - stiffness_ * q - damping_ * v,
-            force_.calcStiffness(rest_ + q, v, 0, z) - branches_ - stiffness_,
-            force_.calcDamping(rest_ + q, v, 0, z) - damping_};
+    Value value{force_.calcForce(rest_ + q, v, 0, z) - rest_force_ - stiffness_ * q - damping_ * v,
+                force_.calcStiffness(rest_ + q, v, 0, z) - branches_ - stiffness_,
+                force_.calcDamping(rest_ + q, v, 0, z) - damping_};
+    const double w = std::abs(v) * half;
+    for (const Stop& stop : force_.law().stops) {
+        const double direction = stop.side == Side::positive ? 1 : -1;
+        const double depth = direction * (rest_ + q + force_.law().offset) - stop.clearance;
+        if (!(std::abs(depth) < w)) continue;
+        // What the mean has beyond max(0, depth), and its derivatives by depth and w.
+        const double beyond = (depth + w) * (depth + w) / (4 * w) - std::max(0.0, depth);
+        const double by_depth = (depth + w) / (2 * w) - (depth > 0 ? 1 : 0);
+        const double by_w = (depth + w) * (w - depth) / (4 * w * w);
+        const double factor = 1 + stop.dissipation * direction * v;
+        const double k = direction * stop.stiffness * std::max(0.0, factor);
+        value.force += k * beyond;
+        value.stiffness += k * direction * by_depth;
+        value.damping += k * by_w * half * (v < 0 ? -1 : 1);
+        if (factor > 0) value.damping += stop.stiffness * stop.dissipation * beyond;
+    }
+    return value;
 }
 
 PeriodicSystem::PeriodicSystem(const MountModel& model, const HarmonicInput& input)

@@ -26,8 +26,11 @@ public:
     struct Value {
         double force, stiffness, damping;  ///< n (N), ∂n/∂q (N/m), ∂n/∂q' (N s/m)
     };
-    /// @param q displacement from rest, m @param v m/s
-    Value calcValue(double q, double v) const;
+    /// The law in the mean over the times from `half` before to `half` after, at which q changes with v: so that what
+    /// is computed from samples is a smooth function of the motion, also where a sample begins to touch a stop. With w
+    /// = |v| half and δ the penetration at the middle, a stop's max(0, δ) becomes (δ + w)²/4w for |δ| < w.
+    /// @param q displacement from rest, m @param v m/s @param half s
+    Value calcValue(double q, double v, double half) const;
 
 private:
     int connection_, axis_;

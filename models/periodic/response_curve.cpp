@@ -70,22 +70,6 @@ double evaluateCubic(double f0, double f1, double slope0, double slope1, double 
     return f0 + a * u + (3 * d - 2 * a - b) * u * u + (a + b - 2 * d) * u * u * u;
 }
 
-/// Two turns that follow each other within this share of their frequency are a corner where one more sample of the
-/// period touches a stop, not a fold.
-void removeCorners(std::vector<ResponseFold>& folds) {
-    constexpr double corner = 2e-4;
-    for (std::size_t i = 0; i + 1 < folds.size();) {
-        const double apart = std::abs(folds[i + 1].frequency - folds[i].frequency);
-        if (apart < corner * folds[i].frequency) {
-            const auto at = folds.begin() + static_cast<std::ptrdiff_t>(i);
-            folds.erase(at, at + 2);
-            i = i > 0 ? i - 1 : 0;
-        } else {
-            ++i;
-        }
-    }
-}
-
 }  // namespace
 
 bool ResponsePoint::touchesStop() const {
@@ -133,7 +117,6 @@ ResponseCurve calcResponseCurve(const MountModel& model, const HarmonicInput& in
         if (settings.progress) settings.progress(now.frequency, static_cast<int>(curve.points.size()));
         return true;
     });
-    removeCorners(curve.folds);
     curve.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return curve;
 }

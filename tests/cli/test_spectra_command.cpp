@@ -37,8 +37,8 @@ TEST_CASE("spectra: table, JSON, page of two runs") {
     CHECK_THAT(shown.output, Contains("low.csv: ") && Contains("high.csv: ") && Contains("degrees of freedom") &&
                                  Contains("driven by base.az") && Contains("mobile.1.az"));
     CHECK(folder.list() == std::vector<std::string>{"high.csv", "low.csv", "s.html", "s.json"});
-    const auto data = runProgram(IDENTIFY_PROGRAM,
-                                 {"spectra", "high.csv", "--resolution", "7.8125", "--json", "-"}, folder.path());
+    const auto data =
+        runProgram(IDENTIFY_PROGRAM, {"spectra", "high.csv", "--resolution", "7.8125", "--json", "-"}, folder.path());
     REQUIRE(data.exit_status == 0);
     const auto run = nlohmann::json::parse(data.output).at("runs")[0];
     CHECK(run.at("frequency").size() == 65);

@@ -46,7 +46,7 @@ TEST_CASE("what the largest multiplier tells") {
         return findInstability(multipliers);
     };
     CHECK(tell(0.99) == Instability::none);
-    CHECK(tell(1.01) == Instability::fold);
+    CHECK(tell(1.01) == Instability::real);
     CHECK(tell(-1.01) == Instability::period_doubling);
     CHECK(tell(Complex(0.8, 0.7)) == Instability::neimark_sacker);
 }

@@ -20,6 +20,8 @@ def make_reports(simulate, identify, device, folder):
     (folder / "psd.csv").write_text("5,0.001\n100,0.001\n")
     call(simulate, "device.toml", "--modes", "--frf", "5:100", "--psd", "psd.csv", "--base-acceleration", "z", "--quiet",
          "--report", "modes.html", folder=folder)
+    call(simulate, "device.toml", "--response", "25:45", "--force", "z=150,300", "--harmonics", 7, "--quiet",
+         "--report", "response.html", folder=folder)
     call(simulate, "device.toml", *sweep, "--force", "x=120,y=150", "-o", "lateral.csv", folder=folder)
     call(simulate, "believed.toml", "--from-csv", "axial.csv", "-o", "believed.csv", "--quiet", folder=folder)
     # A second system that recorded the load alone, half a second behind.
@@ -44,4 +46,4 @@ def make_reports(simulate, identify, device, folder):
     }
     for name, arguments in commands.items():
         call(identify, *arguments, "--report", f"{name}.html", folder=folder)
-    return [folder / f"{name}.html" for name in ["simulate", "modes", *commands]]
+    return [folder / f"{name}.html" for name in ["simulate", "modes", "response", *commands]]
