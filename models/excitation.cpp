@@ -5,6 +5,7 @@
 #include <complex>
 #include <random>
 #include <unsupported/Eigen/FFT>
+#include <utility>
 #include <vector>
 
 #include "models/error.hpp"
@@ -172,6 +173,30 @@ private:
     double upper_, amplitude_ = 1;
 };
 
+class DisplacementDriven : public Signal {
+public:
+    explicit DisplacementDriven(std::shared_ptr<const Signal> swept) : swept_(std::move(swept)) {}
+    double duration() const override { return swept_->duration(); }
+    double value(double t) const override {
+        if (!(t >= 0 && t <= duration())) return 0;
+        // The rate of a sweep is smooth: its central difference errs by the square of the step over the duration.
+        const double step = 1e-4 * duration();
+        const double rate = kTwoPi * (swept_->frequency(t + step) - swept_->frequency(t - step)) / (2 * step);
+        const double omega = kTwoPi * swept_->frequency(t), angle = swept_->phase(t);
+        return rate * std::cos(angle) - omega * omega * std::sin(angle);
+    }
+    double phase(double t) const override { return swept_->phase(t); }
+    double frequency(double t) const override { return swept_->frequency(t); }
+    double highestFrequency() const override { return swept_->highestFrequency(); }
+    std::optional<Integrals> integralsAtStart() const override {
+        const double angle = swept_->phase(0);
+        return Integrals{kTwoPi * swept_->frequency(0) * std::cos(angle), std::sin(angle)};
+    }
+
+private:
+    std::shared_ptr<const Signal> swept_;
+};
+
 /// Value, first and second derivative of the sum of sines in a table over the duration, which is its period, by inverse
 /// FFT; between its rows the polynomial of fifth degree through both neighbours. With at least 16 rows in a period of
 /// the highest frequency it errs by (ωh)^6/46080 < 8e-8 of a sine of that frequency.
@@ -289,6 +314,10 @@ std::unique_ptr<Signal> makeBandLimitedRandom(double f0, double f1, double durat
         throw InputError({{}, 0, "random"}, "the band ends below its start", "lower:upper, Hz");
     }
     return std::make_unique<BandLimitedRandom>(f0, f1, duration, seed, fade);
+}
+
+std::unique_ptr<Signal> makeDisplacementDriven(std::shared_ptr<const Signal> swept) {
+    return std::make_unique<DisplacementDriven>(std::move(swept));
 }
 
 std::unique_ptr<Signal> makeRandomFromSpectrum(const PowerSpectrum& spectrum, double duration, std::uint64_t seed,

@@ -52,6 +52,10 @@ std::unique_ptr<Signal> makeHalfSine(double pulse, double rest);
 std::unique_ptr<Signal> makeBandLimitedRandom(double f0, double f1, double duration, std::uint64_t seed,
                                               Fade fade = {});
 
+/// The acceleration of a displacement sin φ, φ the phase of a sweep or dwell without fades: φ'' cos φ − φ'² sin φ,
+/// 1/s². Its integrals at the start are those of that displacement.
+std::unique_ptr<Signal> makeDisplacementDriven(std::shared_ptr<const Signal> swept);
+
 /// Stationary Gaussian noise with a given spectrum: sines at all multiples of 1/duration in the band, each with the
 /// mean square that the spectrum has in its 1/duration, phases from the seed. Over the duration the periodogram is the
 /// spectrum and the RMS its RMS, not on average only. Unit of the spectrum, not unit RMS.

@@ -128,11 +128,12 @@ void writeAnalysisReport(const LinearAnalysis& analysis, const std::string& file
     if (analysis.transfer) {
         page.addHeading("Transfer functions");
         const TransferFunctions& transfer = *analysis.transfer;
-        for (const Plot& plot : plotOutputs(analysis, transfer.frequency, "Amplitude for each " + transfer.input_unit,
-                                            " for each " + transfer.input_unit + " of " + transfer.input,
-                                            [&](Eigen::Index row, Eigen::Index k, double factor) {
-                                                return factor * std::abs(transfer.response(row, k));
-                                            }))
+        page.addText("For each " + transfer.input_unit + " of " + transfer.input + ", relative to rest.");
+        for (const Plot& plot :
+             plotOutputs(analysis, transfer.frequency, "Amplitude for each " + transfer.input_unit,
+                         "/(" + transfer.input_unit + ")", [&](Eigen::Index row, Eigen::Index k, double factor) {
+                             return factor * std::abs(transfer.response(row, k));
+                         }))
             page.addPlot(plot);
     }
     if (analysis.random) {

@@ -43,7 +43,7 @@ Series trace(const std::string& name, const ResponseCurve& curve, Eigen::Index a
 }  // namespace
 
 void writeResponseReport(const MountModel& model, const std::vector<LevelResponse>& levels, const std::string& file) {
-    const std::vector<std::string> axes = nameAxes(model);
+    const std::vector<std::string> axes = nameAxes(model), stops = nameStops(model);
     HtmlReport page("Periodic response of " + model.name);
     Table table({"level", "folds [Hz]", "unstable points", "stops touched", "points", "time [s]"});
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(axes.size()));
@@ -54,7 +54,7 @@ void writeResponseReport(const MountModel& model, const std::vector<LevelRespons
             folds += (folds.empty() ? "" : ", ") + formatNumber(fold.frequency, 5);
         folded += level.curve.folds.empty() ? 0 : 1;
         std::size_t unstable = 0;
-        std::vector<bool> touched(nameStops(model).size(), false);
+        std::vector<bool> touched(stops.size(), false);
         for (const ResponsePoint& point : level.curve.points) {
             unstable += point.instability != Instability::none;
             largest = largest.cwiseMax(point.amplitude);
@@ -69,22 +69,25 @@ void writeResponseReport(const MountModel& model, const std::vector<LevelRespons
                                    " levels the response folds: sweeps up and down jump there.");
     page.addTable(table.header(), table.rows());
     page.addText(
-        "Amplitude: half of what lies between the ends of the motion in a period. Points mark motions that are "
-        "unstable, "
-        "which no test shows; the second pictures mark where a stop is touched. Branches that are not connected with "
-        "the low end "
-        "of the band are not shown.");
+        "Amplitude: half of what lies between the ends of the motion in a period. Sparse points mark motions that are "
+        "unstable, which no test shows; further pictures mark where an axis touches its stops. Branches that are not "
+        "connected with the low end of the band are not shown.");
     for (const LevelResponse& level : levels)
         if (!level.curve.incomplete.empty()) page.addText(level.level + ": " + level.curve.incomplete + ".");
     constexpr double worth_drawing = 0.02;  // of the largest amplitude of all axes
     const auto stable = [](const ResponsePoint& point) { return point.instability == Instability::none; };
     const auto unstable = [&](const ResponsePoint& point) { return !stable(point); };
-    const auto touching = [](const ResponsePoint& point) { return point.touchesStop(); };
     for (Eigen::Index axis = 0; axis < largest.size(); ++axis) {
         if (largest[axis] < worth_drawing * largest.maxCoeff()) continue;
         Plot branches, contact;
         branches.title = "Relative displacement " + axes[static_cast<std::size_t>(axis)];
-        contact.title = branches.title + ", where a stop is touched";
+        contact.title = branches.title + ", where it touches a stop";
+        std::vector<std::size_t> own;  // stops of this axis
+        for (std::size_t s = 0; s < stops.size(); ++s)
+            if (stops[s].rfind(axes[static_cast<std::size_t>(axis)] + ".", 0) == 0) own.push_back(s);
+        const auto touching = [&](const ResponsePoint& point) {
+            return std::any_of(own.begin(), own.end(), [&](std::size_t s) { return point.penetration[s] > 0; });
+        };
         for (Plot* plot : {&branches, &contact}) {
             plot->x_label = "frequency [Hz]";
             plot->y_label = "amplitude [mm]";

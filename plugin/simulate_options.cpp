@@ -167,14 +167,17 @@ void checkResponseOptions(const SimulateOptions& options, int levels) {
 
 /// Everything that CLI11 cannot check by itself.
 void checkOptions(const SimulateOptions& options) {
-    const int levels = !options.force.isZero() + !options.base_acceleration.isZero();
+    const int levels =
+        !options.force.isZero() + !options.base_acceleration.isZero() + !options.base_displacement.isZero();
+    if (!options.base_displacement.isZero() && options.fade > 0)
+        throw InputError({"", 0, "--fade"}, "does not go with --base-displacement", "--base-acceleration");
     if (!options.response.empty()) return checkResponseOptions(options, levels);
     if (options.isLinear()) return checkLinearOptions(options, levels);
     if (options.level_is_bare && !(options.kind != nullptr && options.kind->takes_bare_level))
         throw InputError({"", 0, "level"}, "an axis has no value", "values such as z=200, with or without a unit");
     if (options.replay_file.empty() && levels != 1)
-        throw InputError({"", 0, "level"}, levels == 0 ? "none is given" : "both force and base acceleration are given",
-                         "one of --force z=200 and --base-acceleration z=1.0");
+        throw InputError({"", 0, "level"}, levels == 0 ? "none is given" : "more than one is given",
+                         "one of --force z=200, --base-acceleration z=1.0 and --base-displacement z=1mm");
     if (!options.replay_file.empty() && levels != 0)
         throw InputError({"", 0, "--from-csv"}, "the recording says load and base motion itself",
                          "no --force and no --base-acceleration beside it");
@@ -203,7 +206,7 @@ void checkOptions(const SimulateOptions& options) {
 
 std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* argv, int& exit_status) {
     SimulateOptions options;
-    std::string force, base, noise, channels;
+    std::string force, base, travel, noise, channels;
     CLI::App app{"Simulate equipment on elastomer mounts with stops (Simbody) and record it."};
     app.name(programName(argv[0]));
     app.footer("Exactly one of " + listExcitations(false) + ",\n" + footer);
@@ -226,6 +229,8 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     addInputFile(app, "--columns", options.column_map, "TOML that maps that recording's column names to channel names");
     app.add_option("--force", force, "force at the bracket's load point, N, such as z=200 or x=0.1kN,y=100N");
     app.add_option("--base-acceleration", base, "acceleration of the base, m/s^2, such as z=1.0 or z=1.5g");
+    app.add_option("--base-displacement", travel,
+                   "displacement of the base in a sweep or dwell, m, such as z=5mm, in place of its acceleration");
     app.add_option("--fade", options.fade, "fade in and out over so many seconds");
     app.add_option("--duration", options.duration, "end the run after so many seconds");
     app.add_option("--sample-rate", options.sample_rate,
@@ -245,6 +250,11 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
         app.parse(argc, argv);
         options.force = takeLevel(force, "--force", Quantity::force, options);
         options.base_acceleration = takeLevel(base, "--base-acceleration", Quantity::acceleration, options);
+        if (!travel.empty()) {
+            if (!options.response.empty() || options.isLinear())
+                throw InputError({"", 0, "--base-displacement"}, "is of a run", "--base-acceleration");
+            options.base_displacement = takeLevel(travel, "--base-displacement", Quantity::length, options);
+        }
         if (!noise.empty()) options.noise = parseNoise(noise);
         if (!channels.empty()) options.channels = parseChannels(channels);
         chooseExcitation(signals, options);

@@ -39,6 +39,7 @@ struct SimulateOptions {
     double fade = 0;                                              ///< s, at start and end
     Eigen::Vector3d force = Eigen::Vector3d::Zero();              ///< N
     Eigen::Vector3d base_acceleration = Eigen::Vector3d::Zero();  ///< m/s²
+    Eigen::Vector3d base_displacement = Eigen::Vector3d::Zero();  ///< m, of a sweep or dwell
     bool level_is_bare = false;                                   ///< an axis without a value, `z`
     bool level_has_unit = false;                                  ///< a value with a unit, `z=1.5g`
     std::optional<double> duration;                               ///< s, cuts the run

@@ -142,17 +142,26 @@ void addShockResponses(const std::vector<RunSpectra>& runs, HtmlReport& page) {
     pictures.addTo(page, "Shock response spectrum");
 }
 
-/// The largest amplification of all.
+/// The largest amplification along the direction of the drive, where both ends of the connection tell the same.
 std::string describeLargestPeak(const std::vector<RunSpectra>& runs) {
+    constexpr double least_coherence = 0.8;
     const ChannelTransfer* best = nullptr;
-    for (const RunSpectra& run : runs)
-        for (const ChannelTransfer& transfer : run.transmissibilities)
-            if (!transfer.peaks.empty() && (best == nullptr || transfer.peaks[0].amplitude > best->peaks[0].amplitude))
-                best = &transfer;
-    if (best == nullptr) return "No resonance stands out of the transmissibilities.";
-    const ResponsePeak& peak = best->peaks[0];
-    return "The largest transmissibility is " + formatNumber(peak.amplitude, 3) + " at " +
-           formatNumber(peak.frequency, 4) + " Hz (" + best->output + " over " + best->input + ").";
+    const ResponsePeak* largest = nullptr;
+    for (const RunSpectra& run : runs) {
+        const auto drive = parseChannelName(run.reference);
+        for (const ChannelTransfer& transfer : run.transmissibilities) {
+            if (!drive || parseChannelName(transfer.output)->axis != drive->axis) continue;
+            for (const ResponsePeak& peak : transfer.peaks)
+                if (transfer.estimate.coherence[peak.bin] > least_coherence &&
+                    (largest == nullptr || peak.amplitude > largest->amplitude)) {
+                    best = &transfer;
+                    largest = &peak;
+                }
+        }
+    }
+    if (best == nullptr) return "No resonance stands out of the transmissibilities along the drive.";
+    return "The largest transmissibility along the drive is " + formatNumber(largest->amplitude, 3) + " at " +
+           formatNumber(largest->frequency, 4) + " Hz (" + best->output + " over " + best->input + ").";
 }
 
 }  // namespace

@@ -148,6 +148,11 @@ TEST_CASE("wrong uses of --modes, --frf and --psd: one line, exit status 2, no f
         {smallsat, "--psd", "psd.csv", "--force", "z"},
         {smallsat, "--dwell", "20:1", "--force", "z"},
         {smallsat, "--dwell", "20:1", "--force", "z=200g"},
+        {single_axis, "--random", "5:50:1", "--base-displacement", "z=1mm"},
+        {single_axis, "--dwell", "20:1", "--base-displacement", "z=1g"},
+        {single_axis, "--dwell", "20:1", "--fade", "0.1", "--base-displacement", "z=1mm"},
+        {single_axis, "--dwell", "20:1", "--base-acceleration", "z=1", "--base-displacement", "z=1mm"},
+        {single_axis, "--modes", "--base-displacement", "z=1mm"},
     }));
     CAPTURE(arguments);
     auto all = arguments;
@@ -172,4 +177,20 @@ TEST_CASE("units on the command line") {
     };
     const auto in_g = run("z=0.1g", "g.csv"), in_si = run("z=0.980665", "si.csv");
     for (std::size_t k = 0; k < in_g.size(); ++k) CHECK(in_g[k] == Approx(in_si[k]).margin(1e-12));
+}
+
+TEST_CASE("a base driven by displacement moves as commanded") {
+    const TemporaryDirectory folder;
+    const auto result = runProgram(
+        SIMULATE_PROGRAM,
+        {single_axis, "--sweep", "5:40", "--rate", "60", "--base-displacement", "z=0.1mm", "--quiet", "-o", "run.csv"},
+        folder.path());
+    INFO(result.errors);
+    REQUIRE(result.exit_status == 0);
+    const wems::Recording run = wems::readRecording(folder.path() + "/run.csv");
+    const auto& x = run.find("fixed.mount.z")->values;
+    for (std::size_t k = 0; k < x.size(); k += 37) {
+        const double t = run.time[k], phase = wems::kTwoPi * 5 * (std::exp2(t) - 1) / std::log(2.0);
+        CHECK(x[k] == Approx(1e-4 * std::sin(phase)).margin(2e-10));
+    }
 }

@@ -33,6 +33,9 @@ EXPECTED = {  # beginnings of titles
     "convert": ["mobile, displacement", "fixed, acceleration"],
     "element": ["Force over displacement"],
     "surface": ["Force over displacement", "Restoring force surface"],
+    "modes": ["Mode shapes", "Amplitude for each m/s^2, relative displacement z", "Density, connection force z"],
+    "response": ["Relative displacement 4.z"],
+    "spectra": ["H1 of mobile part, acceleration z", "Coherence of", "First order of", "Density of", "Shock response of"],
     "inspect": ["Order 1 along the sweep", "Phase of order 1"],
 }
 CLEARANCE = 1.57e-3  # m, of the axial stops of the shipped device
