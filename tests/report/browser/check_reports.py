@@ -379,7 +379,7 @@ def main():
             errors = [entry["message"] for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
             checks.check(not errors, f"{name}: console errors {errors}")
         moving = [page.stem for page in pages if 'class="scene"' in page.read_text()]
-        checks.check(moving == ["rigidity", "fit", "diagnose"], f"the device moves in {moving}")
+        checks.check(moving == ["modes", "rigidity", "fit", "diagnose"], f"the device moves in {moving}")
     finally:
         browser.quit()
     print(f"{checks.count} checks, {len(checks.failures)} failed; screenshots in {arguments.out}")
