@@ -4,7 +4,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
+
+#include "models/power_spectrum.hpp"
 
 namespace wems {
 
@@ -17,6 +21,17 @@ public:
     virtual double phase(double t) const = 0;  ///< rad; of a random signal 0
     virtual double frequency(
         double t) const = 0;  ///< instantaneous frequency, Hz; of a random signal its upper band limit
+    /// Hz, the fastest that the signal holds; a shock holds more, ever less of it.
+    virtual double highestFrequency() const = 0;
+    /// Times (s) within the duration at which the signal's slope jumps.
+    virtual std::vector<double> kinks() const { return {}; }
+
+    /// First (s) and second (s²) integral at t = 0 of a sum of sines, such that neither drifts: what a velocity and a
+    /// displacement start with whose acceleration the signal is. None where the signal is no such sum.
+    struct Integrals {
+        double first = 0, second = 0;
+    };
+    virtual std::optional<Integrals> integralsAtStart() const { return std::nullopt; }
 };
 
 /// Raised-cosine fade at start and end, s.
@@ -36,5 +51,16 @@ std::unique_ptr<Signal> makeHalfSine(double pulse, double rest);
 /// signal.
 std::unique_ptr<Signal> makeBandLimitedRandom(double f0, double f1, double duration, std::uint64_t seed,
                                               Fade fade = {});
+
+/// The acceleration of a displacement sin φ, φ the phase of a sweep or dwell without fades: φ'' cos φ − φ'² sin φ,
+/// 1/s². Its integrals at the start are those of that displacement.
+std::unique_ptr<Signal> makeDisplacementDriven(std::shared_ptr<const Signal> swept);
+
+/// Stationary Gaussian noise with a given spectrum: sines at all multiples of 1/duration in the band, each with the
+/// mean square that the spectrum has in its 1/duration, phases from the seed. Over the duration the periodogram is the
+/// spectrum and the RMS its RMS, not on average only. Unit of the spectrum, not unit RMS.
+/// @throws InputError if the duration is too short for the band, or too long to be held in memory (2^26 values).
+std::unique_ptr<Signal> makeRandomFromSpectrum(const PowerSpectrum& spectrum, double duration, std::uint64_t seed,
+                                               Fade fade = {});
 
 }  // namespace wems

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 
 #include "models/bryant.hpp"
 #include "models/error.hpp"
@@ -17,7 +18,8 @@ namespace {
 /// Exact kinematics about rest, with the forces of one axis linear in its displacement.
 class RestNeighbourhood {
 public:
-    RestNeighbourhood(const MountModel& model, double omega)
+    /// @param omega rad/s, at which branches are frozen; none: they are left out
+    RestNeighbourhood(const MountModel& model, std::optional<double> omega)
         : model_(model), bracket_(model.bracket), guide_(model.body), rest_(findStaticEquilibrium(model)) {
         if (rest_.eta.size() == 0) rest_.eta = Eigen::VectorXd::Zero(bracket_.modeCount());
         const MountForces laws(model);
@@ -35,7 +37,11 @@ public:
                 const auto& friction = axis.law().friction;
                 if (friction && friction->presliding_stiffness) stiffness_(k, i) += *friction->presliding_stiffness;
                 for (const MaxwellBranch& branch : axis.branches()) {
-                    const double product = omega * branch.time_constant;
+                    if (!omega) {
+                        branches_.push_back({i, k, branch});
+                        continue;
+                    }
+                    const double product = *omega * branch.time_constant;
                     stiffness_(k, i) += branch.stiffness * product * product / (1 + product * product);
                     damping_(k, i) += branch.stiffness * branch.time_constant / (1 + product * product);
                 }
@@ -65,6 +71,30 @@ public:
     int connectionCount() const { return static_cast<int>(rest_q_.cols()); }
     const Eigen::Matrix3d& restRotation() const { return rest_.mobile.R_GM; }
     Eigen::Vector3d damping(int connection) const { return damping_.col(connection); }
+    const std::vector<LinearBranch>& branches() const { return branches_; }
+
+    /// Position of an end in G.
+    Eigen::Vector3d calcMobileEnd(int connection, const Eigen::VectorXd& x) const {
+        const BodyMotion mobile = moveMobile(x);
+        return mobile.p_GM + mobile.R_GM * position(connection);
+    }
+    /// Displacement and small rotation of M and of F.
+    Eigen::VectorXd calcMobileFrame(const Eigen::VectorXd& x) const {
+        const BodyMotion mobile = moveMobile(x);
+        Eigen::VectorXd frame(6);
+        frame << mobile.p_GM, vectorFromRotation(mobile.R_GM * rest_.mobile.R_GM.transpose());
+        return frame;
+    }
+    Eigen::VectorXd calcFixedFrame(const Eigen::VectorXd& x) const {
+        const FrameMotion fixed = moveFixed(x), rest = moveFixed(Eigen::VectorXd::Zero(size()));
+        Eigen::VectorXd frame(6);
+        frame << fixed.p_GF, vectorFromRotation(fixed.R_GF * rest.R_GF.transpose());
+        return frame;
+    }
+    Eigen::Vector3d calcFixedEnd(int connection, const Eigen::VectorXd& x) const {
+        const FrameMotion fixed = moveFixed(x);
+        return fixed.p_GF + fixed.R_GF * position(connection);
+    }
 
     /// q of a connection, F axes, after a small motion x from rest.
     Eigen::Vector3d calcDisplacement(int connection, const Eigen::VectorXd& x) const {
@@ -142,6 +172,7 @@ private:
     GuidedMotion guide_;
     StaticEquilibrium rest_;
     Eigen::Matrix3Xd rest_q_, rest_force_, stiffness_, damping_;
+    std::vector<LinearBranch> branches_;
 };
 
 /// Columns: central differences of `function` along each coordinate. The functions are smooth; the step is large
@@ -159,14 +190,13 @@ Eigen::MatrixXd differentiate(const Function& function, Eigen::Index size) {
     return jacobian;
 }
 
-}  // namespace
-
-LinearSystem linearize(const MountModel& model, double reference_frequency) {
-    const RestNeighbourhood rest(model, kTwoPi * reference_frequency);
+LinearSystem linearizeAt(const MountModel& model, std::optional<double> omega) {
+    const RestNeighbourhood rest(model, omega);
     const Eigen::Index n = rest.size();
     const auto modes = static_cast<Eigen::Index>(model.bracket.size());
     const Eigen::MatrixXd T = rest.calcReduction(Eigen::VectorXd::Zero(n));
     LinearSystem system;
+    system.branches = rest.branches();
 
     const Eigen::Matrix3d R = rest.restRotation();
     const Eigen::Matrix3d arm = crossMatrix(R * model.body.center_of_gravity);
@@ -186,19 +216,39 @@ LinearSystem linearize(const MountModel& model, double reference_frequency) {
         system.ends.push_back(
             differentiate([&](const Eigen::VectorXd& x) { return Eigen::VectorXd(rest.calcDisplacement(i, x)); }, n));
         system.damping += system.ends.back().transpose() * rest.damping(i).asDiagonal() * system.ends.back();
+        system.mobile_ends.push_back(
+            differentiate([&](const Eigen::VectorXd& x) { return Eigen::VectorXd(rest.calcMobileEnd(i, x)); }, n));
+        system.fixed_ends.push_back(
+            differentiate([&](const Eigen::VectorXd& x) { return Eigen::VectorXd(rest.calcFixedEnd(i, x)); }, n));
     }
+    system.mobile_frame = differentiate([&](const Eigen::VectorXd& x) { return rest.calcMobileFrame(x); }, n);
+    system.fixed_frame = differentiate([&](const Eigen::VectorXd& x) { return rest.calcFixedFrame(x); }, n);
+
     Eigen::MatrixXd damping = Eigen::MatrixXd::Zero(6 + modes, 6 + modes);
     damping.block<3, 3>(3, 3) = -crossMatrix(R * model.body.spin);  // moment −ω × h on the body
     Eigen::MatrixXd load = Eigen::MatrixXd::Zero(6 + modes, 3);
+    Eigen::MatrixXd base = -mass.leftCols(3);  // inertia forces of the mobile part; of the bracket below
     for (Eigen::Index j = 0; j < modes; ++j) {
         const BracketMode& mode = model.bracket[static_cast<std::size_t>(j)];
         damping(6 + j, 6 + j) = 2 * mode.damping_ratio * kTwoPi * mode.frequency;
         if (!model.load_point) load.row(6 + j) = mode.load_translation.transpose();
+        base.row(6 + j) = -mode.base_participation.transpose();
     }
     if (model.load_point) load += rest.calcLoadMatrix(*model.load_point);
     system.damping += T.transpose() * damping * T;
     system.load = T.transpose() * load;
+    system.base = T.transpose() * base;
     return system;
+}
+
+}  // namespace
+
+LinearSystem linearize(const MountModel& model, double reference_frequency) {
+    return linearizeAt(model, kTwoPi * reference_frequency);
+}
+
+LinearSystem linearizeExactly(const MountModel& model) {
+    return linearizeAt(model, std::nullopt);
 }
 
 LinearModes findLinearModes(const LinearSystem& system) {

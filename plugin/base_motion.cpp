@@ -6,32 +6,58 @@
 
 namespace wems::plugin {
 namespace {
-constexpr double longest_step = 1e-3;  // s; three-point Gauss is exact to h^6, so 200 Hz costs less than 1e-6
+
+constexpr double kLongestStep = 1e-3;  // s
+constexpr double kStepsPerPeriod = 16;
+
+/// From 0 to `duration`, evenly between kinks.
+std::vector<double> makeTimes(const Drive& drive, double duration) {
+    const double longest = std::min(kLongestStep, 1 / (kStepsPerPeriod * drive.highestFrequency()));
+    std::vector<double> ends = drive.kinks();
+    ends.push_back(duration);
+    std::sort(ends.begin(), ends.end());
+    std::vector<double> times{0};
+    for (const double end : ends) {
+        const double from = times.back(), length = std::min(end, duration) - from;
+        if (!(length > 0)) continue;
+        const auto steps = std::max<long>(1, std::lround(std::ceil(length / longest)));
+        for (long k = 1; k <= steps; ++k)
+            times.push_back(from + length * static_cast<double>(k) / static_cast<double>(steps));
+    }
+    return times;
 }
 
-BaseMotion::BaseMotion(const Drive& drive, double duration) : drive_(drive) {
-    const auto steps = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(duration / longest_step)));
-    step_ = duration / static_cast<double>(steps);
-    nodes_.assign(steps + 1, {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
+}  // namespace
+
+BaseMotion::BaseMotion(const Drive& drive, double duration) : drive_(drive), times_{0} {
+    nodes_.assign(1, {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
     if (!drive.hasBase() || !(duration > 0)) return;
-    for (std::size_t k = 0; k < steps; ++k) {
-        const double t = static_cast<double>(k) * step_;
-        nodes_[k + 1] = integrate(nodes_[k], t, t + step_);
-    }
-    // Straight line through the displacement: x = mean + slope (t − T/2).
+    times_ = makeTimes(drive, duration);
+    const auto start = drive.findBaseStart();
+    if (start) nodes_[0] = {start->displacement, start->velocity};
+    for (std::size_t k = 0; k + 1 < times_.size(); ++k)
+        nodes_.push_back(integrate(nodes_[k], times_[k], times_[k + 1]));
+    if (!start) removeDrift();
+}
+
+void BaseMotion::removeDrift() {
+    // Straight line through the displacement, each node weighted by the time that it stands for.
+    const auto count = nodes_.size();
+    const auto weight = [&](std::size_t k) {
+        return 0.5 * (times_[std::min(k + 1, count - 1)] - times_[k > 0 ? k - 1 : 0]);
+    };
+    const double duration = times_.back(), middle = duration / 2;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
     double square = 0;
-    for (std::size_t k = 0; k <= steps; ++k) {
-        const double s = static_cast<double>(k) * step_ - duration / 2;
-        mean += nodes_[k].displacement;
-        slope += s * nodes_[k].displacement;
-        square += s * s;
+    for (std::size_t k = 0; k < count; ++k) {
+        const double s = times_[k] - middle;
+        mean += weight(k) / duration * nodes_[k].displacement;
+        slope += weight(k) * s * nodes_[k].displacement;
+        square += weight(k) * s * s;
     }
-    mean /= static_cast<double>(steps + 1);
     slope /= square;
-    for (std::size_t k = 0; k <= steps; ++k) {
-        const double s = static_cast<double>(k) * step_ - duration / 2;
-        nodes_[k].displacement -= mean + slope * s;
+    for (std::size_t k = 0; k < count; ++k) {
+        nodes_[k].displacement -= mean + slope * (times_[k] - middle);
         nodes_[k].velocity -= slope;
     }
 }
@@ -49,11 +75,10 @@ BaseMotion::Value BaseMotion::integrate(const Value& from, double t0, double t1)
 }
 
 BaseMotion::Value BaseMotion::calcValue(double t) const {
-    if (!drive_.hasBase() || t <= 0) return nodes_.front();
-    const auto k = static_cast<std::size_t>(t / step_);
-    if (k + 1 >= nodes_.size()) return nodes_.back();
-    const double t0 = static_cast<double>(k) * step_;
-    return integrate(nodes_[k], t0, t);
+    if (nodes_.size() < 2 || t <= 0) return nodes_.front();
+    if (t >= times_.back()) return nodes_.back();
+    const auto k = static_cast<std::size_t>(std::upper_bound(times_.begin(), times_.end(), t) - times_.begin()) - 1;
+    return integrate(nodes_[k], times_[k], t);
 }
 
 }  // namespace wems::plugin

@@ -29,6 +29,13 @@ public:
     double calcFrequency(double t) const override {
         return swept_ ? signal_->frequency(t) : std::numeric_limits<double>::quiet_NaN();
     }
+    double highestFrequency() const override { return signal_->highestFrequency(); }
+    std::vector<double> kinks() const override { return signal_->kinks(); }
+    std::optional<BaseStart> findBaseStart() const override {
+        const auto integrals = signal_->integralsAtStart();
+        if (!integrals) return std::nullopt;
+        return BaseStart{base_ * integrals->second, base_ * integrals->first};
+    }
     bool hasLoad() const override { return !force_.isZero(); }
     bool hasBase() const override { return !base_.isZero(); }
 
@@ -84,6 +91,10 @@ public:
         if (i >= crossings_.size()) return frequencies_.back();
         const double fraction = (t - crossings_[i - 1]) / (crossings_[i] - crossings_[i - 1]);
         return frequencies_[i - 1] + fraction * (frequencies_[i] - frequencies_[i - 1]);
+    }
+    /// Of the samples; whatever the recording holds is below.
+    double highestFrequency() const override {
+        return 0.5 * static_cast<double>(time_.size() - 1) / std::max(duration(), 1e-300);
     }
     bool hasLoad() const override { return has(load_); }
     bool hasBase() const override { return has(base_); }

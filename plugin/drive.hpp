@@ -5,7 +5,9 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "models/excitation.hpp"
 #include "models/recording/recording.hpp"
@@ -19,6 +21,15 @@ public:
     virtual Eigen::Vector3d calcLoad(double t) const = 0;              ///< N, ground axes, as commanded or recorded
     virtual Eigen::Vector3d calcBaseAcceleration(double t) const = 0;  ///< m/s², ground axes
     virtual double calcFrequency(double t) const = 0;                  ///< swept frequency, Hz; NaN if nothing sweeps
+    /// Hz, the fastest that load and base hold.
+    virtual double highestFrequency() const = 0;
+    /// Times (s) at which they have a kink.
+    virtual std::vector<double> kinks() const { return {}; }
+    /// Displacement (m) and velocity (m/s) with which a base starts that does not drift; none: not known.
+    struct BaseStart {
+        Eigen::Vector3d displacement, velocity;
+    };
+    virtual std::optional<BaseStart> findBaseStart() const { return std::nullopt; }
     virtual bool hasLoad() const = 0;
     virtual bool hasBase() const = 0;
 };

@@ -63,16 +63,44 @@ NamedSignal makeRandom(const std::string& value, const SimulateOptions& options)
             "random " + formatNumber(f[0]) + " to " + formatNumber(f[1]) + " Hz, " + formatNumber(f[2]) + " s"};
 }
 
+NamedSignal makeSpectrumRandom(const std::string& value, const SimulateOptions& options) {
+    constexpr double usual_duration = 60;  // s
+    const double duration = options.duration.value_or(usual_duration);
+    return {makeRandomFromSpectrum(readLevelledSpectrum(options), duration, options.seed, fadeOf(options)), false,
+            "random by the spectrum of " + value + ", " + formatNumber(duration) + " s"};
+}
+
 }  // namespace
+
+PowerSpectrum readLevelledSpectrum(const SimulateOptions& options) {
+    PowerSpectrum spectrum = readPowerSpectrum(options.signal);
+    const bool force = !options.force.isZero();
+    if (force != (spectrum.quantity() == Quantity::force))
+        throw InputError({options.signal, 0, "psd"}, force ? "is of an acceleration" : "is of a force",
+                         force ? "N^2/Hz for --force" : "g^2/Hz for --base-acceleration");
+    if (!options.level_has_unit) return spectrum;
+    if (options.level_is_bare)
+        throw InputError({"", 0, "level"}, "has an axis with a unit and one without a value",
+                         "RMS values with units, such as z=1.5g, or factors, such as z or z=0.5");
+    std::vector<double> density = spectrum.density();
+    const double mean_square = std::pow(spectrum.calcRms(), 2);
+    for (double& value : density) value /= mean_square;
+    return {spectrum.frequency(), std::move(density), spectrum.quantity()};
+}
 
 const std::vector<ExcitationKind>& excitationKinds() {
     static const std::vector<ExcitationKind> kinds{
-        {"--sweep", "f0:f1", "sine sweep f0:f1 in Hz, downwards if f1 < f0", true, makeSweep},
-        {"--dwell", "f:duration", "sine f:duration in Hz and s", false, makeDwellSignal},
-        {"--half-sine", "duration:rest", "shock, half a sine duration:rest in s, the rest following it", false,
+        {"--sweep", "f0:f1", "sine sweep f0:f1 in Hz, downwards if f1 < f0", true, false, makeSweep},
+        {"--dwell", "f:duration", "sine f:duration in Hz and s", false, false, makeDwellSignal},
+        {"--half-sine", "duration:rest", "shock, half a sine duration:rest in s, the rest following it", false, false,
          makeHalfSineSignal},
-        {"--random", "f0:f1:duration", "band-limited noise f0:f1:duration in Hz and s; levels are RMS", false,
-         makeRandom}};
+        {"--random", "f0:f1:duration", "band-limited noise f0:f1:duration in Hz and s; levels are RMS", false, false,
+         makeRandom},
+        {"--psd", "FILE",
+         "random by breakpoints in FILE (Hz, g^2/Hz), for --duration (60 s); the level names axes (z), an RMS (z=1.5g) "
+         "or a "
+         "factor (z=0.5)",
+         false, true, makeSpectrumRandom}};
     return kinds;
 }
 

@@ -24,11 +24,16 @@ struct ExcitationKind {
     const char* option;  ///< `--dwell`
     const char* form;    ///< of its value: `f:duration`
     const char* help;
-    bool takes_rate;  ///< goes with --rate and --linear-rate
+    bool takes_rate;        ///< goes with --rate and --linear-rate
+    bool takes_bare_level;  ///< has a level of its own, so that `--base-acceleration z` needs no value
     /// @param value what the user gave to the option
     /// @throws InputError if the value is not of that form or out of range
     NamedSignal (*make)(const std::string& value, const SimulateOptions& options);
 };
+
+/// The spectrum that `--psd` names, its RMS made 1 where the level has a unit and so gives the RMS.
+/// @throws InputError if it cannot be read, or is of a force where the base is driven or the other way round
+PowerSpectrum readLevelledSpectrum(const SimulateOptions& options);
 
 /// In the order of the help.
 const std::vector<ExcitationKind>& excitationKinds();

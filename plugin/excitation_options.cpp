@@ -49,13 +49,24 @@ Excitation makeReplay(const SimulateOptions& options) {
 
 Excitation makeExcitation(const SimulateOptions& options) {
     if (!options.replay_file.empty()) return makeReplay(options);
-    const NamedSignal named = options.kind->make(options.signal, options);
+    NamedSignal named = options.kind->make(options.signal, options);
     Excitation excitation;
-    excitation.drive = makeSignalDrive(named.signal, options.force, options.base_acceleration, named.swept);
+    const bool travel = !options.base_displacement.isZero();
+    if (travel) {
+        if (!named.swept)
+            throw InputError({"", 0, "--base-displacement"}, std::string("does not go with ") + options.kind->option,
+                             "--sweep or --dwell");
+        named.signal = makeDisplacementDriven(named.signal);
+    }
+    const Eigen::Vector3d base = options.base_acceleration + options.base_displacement;  // one of them is zero
+    excitation.drive = makeSignalDrive(named.signal, options.force, base, named.swept);
     excitation.description = named.description;
+    // Without a unit the level of a spectrum is a factor.
+    const bool factor = options.kind->takes_bare_level && !options.level_has_unit;
     excitation.level = options.force.isZero()
-                           ? "base acceleration " + formatVector(options.base_acceleration) + " m/s^2"
-                           : "force " + formatVector(options.force) + " N";
+                           ? "base acceleration " + formatVector(options.base_acceleration) + (factor ? "" : " m/s^2")
+                           : "force " + formatVector(options.force) + (factor ? "" : " N");
+    if (travel) excitation.level = "base displacement " + formatVector(options.base_displacement) + " m";
     const double duration = std::min(named.signal->duration(), options.duration.value_or(INFINITY));
     excitation.times = makeUniformTimes(options.sample_rate.value_or(1000), duration);
     return excitation;

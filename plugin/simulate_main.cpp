@@ -12,6 +12,8 @@
 #include "models/progress.hpp"
 #include "models/recording/recording_writer.hpp"
 #include "models/terminal.hpp"
+#include "plugin/linear_command.hpp"
+#include "plugin/response_command.hpp"
 #include "plugin/simulate_options.hpp"
 #include "plugin/simulation.hpp"
 #include "plugin/summary.hpp"
@@ -46,22 +48,28 @@ bool participatesInBaseMotion(const MountModel& model) {
     return model.bracket.empty();
 }
 
-/// Of a sweep or a dwell; 0 where nothing sweeps.
-double findHighestFrequency(const Drive& drive) {
-    return std::fmax(0, std::fmax(drive.calcFrequency(0), drive.calcFrequency(drive.duration())));
+/// A replay has the samples that it has.
+void noteSampleRate(const SimulateOptions& options, const Excitation& excitation) {
+    if (!options.replay_file.empty() || excitation.times.size() < 2) return;
+    const double rate = 1 / (excitation.times[1] - excitation.times[0]);
+    const double highest = excitation.drive->highestFrequency();
+    if (rate < 2 * highest)
+        std::cerr << "simulate: note: " << formatNumber(rate, 6)
+                  << " Hz are less than two samples in a period of the excitation, which reaches "
+                  << formatNumber(highest, 4) << " Hz: the recording shows other frequencies; --sample-rate "
+                  << formatNumber(5 * highest, 4) << " would show it\n";
 }
 
 void run(const SimulateOptions& options) {
+    if (!options.response.empty()) return runResponseCurves(options);
+    if (options.isLinear()) return runLinearAnalysis(options);
     const MountModel model = readMountModel(options.model_file);
     const Excitation excitation = makeExcitation(options);
     if (excitation.drive->hasBase() && !participatesInBaseMotion(model))
         std::cerr << "simulate: note: the modes file has no base.ux, base.uy, base.uz columns: the base motion shakes "
                      "the mobile part, not the bracket's own mass\n";
 
-    if (const double rate = options.sample_rate.value_or(INFINITY); rate < 2 * findHighestFrequency(*excitation.drive))
-        std::cerr
-            << "simulate: note: " << formatNumber(rate)
-            << " Hz are less than two samples in a period of the excitation: the recording shows other frequencies\n";
+    noteSampleRate(options, excitation);
 
     Progress progress(!options.quiet);
     SimulationSettings settings;
@@ -70,6 +78,11 @@ void run(const SimulateOptions& options) {
     settings.noise = options.noise;
     settings.seed = options.seed;
     settings.accuracy = options.accuracy;
+    // Reports are interpolated between steps, and where no stop is touched the error control sleeps.
+    constexpr double steps_per_period = 12;
+    if (options.replay_file.empty())
+        settings.longest_step =
+            std::fmin(settings.longest_step, 1 / (steps_per_period * excitation.drive->highestFrequency()));
     settings.progress = [&](double t) {
         if (!progress.due()) return;
         char what[80];

@@ -13,6 +13,7 @@
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/recording/recording_reader.hpp"
+#include "plugin/level_option.hpp"
 
 namespace wems::plugin {
 namespace {
@@ -48,13 +49,18 @@ std::map<std::string, double> parseAssignments(const std::string& text, const st
     return values;
 }
 
-Eigen::Vector3d parseAxes(const std::string& text, const std::string& option) {
-    Eigen::Vector3d vector = Eigen::Vector3d::Zero();
-    const std::string accepted = "axes and values such as z=200 or x=100,y=100";
-    for (const auto& [axis, value] : parseAssignments(text, option, {"x", "y", "z"}, accepted))
-        vector[axis[0] - 'x'] = value;
-    if (vector.isZero()) throw InputError({"", 0, option}, "excites nothing", accepted);
-    return vector;
+/// `--force` or `--base-acceleration`.
+Eigen::Vector3d takeLevel(const std::string& text, const std::string& option, Quantity quantity,
+                          SimulateOptions& options) {
+    if (text.empty()) return Eigen::Vector3d::Zero();
+    if (!options.response.empty()) {
+        options.levels = parseLevels(text, option, quantity);
+        return options.levels.front().value;
+    }
+    const Level level = parseLevel(text, option, quantity);
+    options.level_is_bare = options.level_is_bare || level.bare;
+    options.level_has_unit = options.level_has_unit || level.with_unit;
+    return level.value;
 }
 
 SensorNoise parseNoise(const std::string& text) {
@@ -106,7 +112,13 @@ constexpr const char* footer =
     "Example, a sweep at 200 N along z, four octaves per minute, with a micrometre of sensor noise:\n"
     "  simulate smallsat.toml --sweep 5:50 --rate 4 --force z=200 --noise displacement=1e-6 -o run.csv\n"
     "The same load once more on another model, for comparison:\n"
-    "  simulate other.toml --from-csv run.csv -o other.csv";
+    "  simulate other.toml --from-csv run.csv -o other.csv\n"
+    "What the linear model says without a run: modes, transfer functions, response to a random test:\n"
+    "  simulate smallsat.toml --modes --report modes.html\n"
+    "  simulate smallsat.toml --frf 5:100 --base-acceleration z -o transfer.csv\n"
+    "  simulate smallsat.toml --modes --psd test.csv --base-acceleration z\n"
+    "Both branches of the nonlinear response at four levels:\n"
+    "  simulate smallsat.toml --response 5:50 --force z=100,200,300,400 --report response.html";
 
 /// Finds the one excitation among the values that were given to the options of excitationKinds().
 void chooseExcitation(const std::vector<std::string>& values, SimulateOptions& options) {
@@ -117,17 +129,55 @@ void chooseExcitation(const std::vector<std::string>& values, SimulateOptions& o
         options.kind = &excitationKinds()[i];
         options.signal = values[i];
     }
+    if (options.isLinear()) return;
+    if (!options.response.empty() && given == 0) return;
+    if (!options.response.empty())
+        throw InputError({"", 0, "--response"}, "is a run of its own", "no other excitation");
     if (given != 1)
         throw InputError({"", 0, "excitation"}, given == 0 ? "none is given" : "more than one is given",
                          "one of " + listExcitations(true));
 }
 
+/// Modes and transfer functions: no run, so that only a spectrum may stand beside them.
+void checkLinearOptions(const SimulateOptions& options, int levels) {
+    const bool spectrum = options.kind != nullptr;
+    if (!options.replay_file.empty() || (spectrum && !options.kind->takes_bare_level))
+        throw InputError({"", 0, options.modes ? "--modes" : "--frf"}, "is no run and takes no such excitation",
+                         "--psd");
+    const bool driven = spectrum || !options.band.empty();
+    if (driven && levels != 1)
+        throw InputError({"", 0, "level"}, "the direction of the input is needed",
+                         "one of --force z and --base-acceleration z");
+    if (!driven && levels != 0)
+        throw InputError({"", 0, "level"}, "natural modes have no input", "--frf f0:f1 or --psd FILE beside it");
+    if (!driven && !options.output_file.empty())
+        throw InputError({"", 0, "--output"}, "there is no curve to write",
+                         "--frf f0:f1 or --psd FILE, or --json FILE");
+}
+
+void checkResponseOptions(const SimulateOptions& options, int levels) {
+    if (options.isLinear() || options.kind != nullptr || !options.replay_file.empty())
+        throw InputError({"", 0, "--response"}, "goes with no other question", "--response alone");
+    if (levels != 1)
+        throw InputError({"", 0, "level"}, levels == 0 ? "none is given" : "both force and base acceleration are given",
+                         "one of --force z=100,200,300 and --base-acceleration z=0.5g,1g");
+    for (const Level& level : options.levels)
+        if (level.bare) throw InputError({"", 0, "level"}, "an axis has no value", "amplitudes such as z=100,200,300");
+}
+
 /// Everything that CLI11 cannot check by itself.
 void checkOptions(const SimulateOptions& options) {
-    const int levels = !options.force.isZero() + !options.base_acceleration.isZero();
+    const int levels =
+        !options.force.isZero() + !options.base_acceleration.isZero() + !options.base_displacement.isZero();
+    if (!options.base_displacement.isZero() && options.fade > 0)
+        throw InputError({"", 0, "--fade"}, "does not go with --base-displacement", "--base-acceleration");
+    if (!options.response.empty()) return checkResponseOptions(options, levels);
+    if (options.isLinear()) return checkLinearOptions(options, levels);
+    if (options.level_is_bare && !(options.kind != nullptr && options.kind->takes_bare_level))
+        throw InputError({"", 0, "level"}, "an axis has no value", "values such as z=200, with or without a unit");
     if (options.replay_file.empty() && levels != 1)
-        throw InputError({"", 0, "level"}, levels == 0 ? "none is given" : "both force and base acceleration are given",
-                         "one of --force z=200 and --base-acceleration z=1.0");
+        throw InputError({"", 0, "level"}, levels == 0 ? "none is given" : "more than one is given",
+                         "one of --force z=200, --base-acceleration z=1.0 and --base-displacement z=1mm");
     if (!options.replay_file.empty() && levels != 0)
         throw InputError({"", 0, "--from-csv"}, "the recording says load and base motion itself",
                          "no --force and no --base-acceleration beside it");
@@ -156,7 +206,7 @@ void checkOptions(const SimulateOptions& options) {
 
 std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* argv, int& exit_status) {
     SimulateOptions options;
-    std::string force, base, noise, channels;
+    std::string force, base, travel, noise, channels;
     CLI::App app{"Simulate equipment on elastomer mounts with stops (Simbody) and record it."};
     app.name(programName(argv[0]));
     app.footer("Exactly one of " + listExcitations(false) + ",\n" + footer);
@@ -165,13 +215,22 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     std::vector<std::string> signals(excitationKinds().size());
     for (std::size_t i = 0; i < signals.size(); ++i)
         app.add_option(excitationKinds()[i].option, signals[i], excitationKinds()[i].help);
+    app.add_flag("--modes", options.modes,
+                 "no run: modes with damping and effective masses, rest position, clearances left there");
+    app.add_option("--frf", options.band, "no run: transfer functions of the linear model over f0:f1 in Hz");
+    app.add_option("--response", options.response,
+                   "no run: periodic responses over f0:f1 in Hz, every branch, stable or not, at levels such as "
+                   "--force z=100,200,300");
+    app.add_option("--harmonics", options.harmonics, "of --response (default 15)");
     app.add_option("--rate", options.octaves_per_minute, "logarithmic sweep rate, octaves per minute (default 4)");
     app.add_option("--linear-rate", options.hertz_per_second, "linear sweep rate, Hz per second");
     addInputFile(app, "--from-csv", options.replay_file,
                  std::string("replay the load or base motion of this recording (") + kReadableFormats + ")");
     addInputFile(app, "--columns", options.column_map, "TOML that maps that recording's column names to channel names");
-    app.add_option("--force", force, "force at the bracket's load point, N, such as z=200 or x=100,y=100");
-    app.add_option("--base-acceleration", base, "acceleration of the base, m/s^2, such as z=1.0");
+    app.add_option("--force", force, "force at the bracket's load point, N, such as z=200 or x=0.1kN,y=100N");
+    app.add_option("--base-acceleration", base, "acceleration of the base, m/s^2, such as z=1.0 or z=1.5g");
+    app.add_option("--base-displacement", travel,
+                   "displacement of the base in a sweep or dwell, m, such as z=5mm, in place of its acceleration");
     app.add_option("--fade", options.fade, "fade in and out over so many seconds");
     app.add_option("--duration", options.duration, "end the run after so many seconds");
     app.add_option("--sample-rate", options.sample_rate,
@@ -189,8 +248,13 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     exit_status = 0;
     try {
         app.parse(argc, argv);
-        if (!force.empty()) options.force = parseAxes(force, "--force");
-        if (!base.empty()) options.base_acceleration = parseAxes(base, "--base-acceleration");
+        options.force = takeLevel(force, "--force", Quantity::force, options);
+        options.base_acceleration = takeLevel(base, "--base-acceleration", Quantity::acceleration, options);
+        if (!travel.empty()) {
+            if (!options.response.empty() || options.isLinear())
+                throw InputError({"", 0, "--base-displacement"}, "is of a run", "--base-acceleration");
+            options.base_displacement = takeLevel(travel, "--base-displacement", Quantity::length, options);
+        }
         if (!noise.empty()) options.noise = parseNoise(noise);
         if (!channels.empty()) options.channels = parseChannels(channels);
         chooseExcitation(signals, options);

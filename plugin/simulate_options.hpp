@@ -7,9 +7,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "plugin/drive.hpp"
 #include "plugin/excitation_kinds.hpp"
+#include "plugin/level_option.hpp"
 #include "plugin/recorder.hpp"
 #include "plugin/sensor_noise.hpp"
 
@@ -25,10 +27,21 @@ struct SimulateOptions {
     std::string signal;                    ///< what the user gave to the option of `kind`
     std::string replay_file;               ///< empty otherwise
 
+    // Questions that a model answers without a run.
+    bool modes = false;  ///< natural modes and rest position
+    std::string band;    ///< f0:f1 of transfer functions, Hz; empty: none
+    bool isLinear() const { return modes || !band.empty(); }
+    std::string response;       ///< f0:f1 of response curves, Hz; empty: none
+    std::vector<Level> levels;  ///< of them
+    int harmonics = 15;         ///< of them
+
     std::optional<double> octaves_per_minute, hertz_per_second;   ///< of a sweep; without both 4 octaves per minute
     double fade = 0;                                              ///< s, at start and end
     Eigen::Vector3d force = Eigen::Vector3d::Zero();              ///< N
     Eigen::Vector3d base_acceleration = Eigen::Vector3d::Zero();  ///< m/s²
+    Eigen::Vector3d base_displacement = Eigen::Vector3d::Zero();  ///< m, of a sweep or dwell
+    bool level_is_bare = false;                                   ///< an axis without a value, `z`
+    bool level_has_unit = false;                                  ///< a value with a unit, `z=1.5g`
     std::optional<double> duration;                               ///< s, cuts the run
     std::string column_map;                                       ///< of the recording to replay
 

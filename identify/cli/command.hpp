@@ -36,6 +36,7 @@ void addGeometryOption(CLI::App& command, CommonOptions& options);
 void addRigidityCommand(CLI::App& app, int& exit_status);
 void addFitCommand(CLI::App& app, int& exit_status);
 void addSurfaceCommand(CLI::App& app, int& exit_status);
+void addSpectraCommand(CLI::App& app, int& exit_status);
 void addCompareCommand(CLI::App& app, int& exit_status);
 void addDiagnoseCommand(CLI::App& app, int& exit_status);
 void addInspectCommand(CLI::App& app, int& exit_status);

@@ -44,6 +44,7 @@ int main(int argc, char** argv) {
     wems::identify::cli::addConvertCommand(app, exit_status);
     wems::identify::cli::addMergeCommand(app, exit_status);
     wems::identify::cli::addInspectCommand(app, exit_status);
+    wems::identify::cli::addSpectraCommand(app, exit_status);
     wems::identify::cli::addRigidityCommand(app, exit_status);
     wems::identify::cli::addFitCommand(app, exit_status);
     wems::identify::cli::addDiagnoseCommand(app, exit_status);

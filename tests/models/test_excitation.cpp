@@ -120,3 +120,72 @@ TEST_CASE("excitation that makes no sense is refused") {
     CHECK_THROWS_AS(makeBandLimitedRandom(50, 5, 10, 1), InputError);
     CHECK_THROWS_AS(makeBandLimitedRandom(5.1, 5.2, 1, 1), InputError);
 }
+
+TEST_CASE(
+    "random by a spectrum: its periodogram is the spectrum, its RMS the spectrum's, between rows a sum of sines") {
+    const PowerSpectrum spectrum({20, 50, 130.3}, {0.5, 2, 0.7}, Quantity::acceleration);
+    const double T = 4;
+    const auto signal = makeRandomFromSpectrum(spectrum, T, 11);
+    const auto again = makeRandomFromSpectrum(spectrum, T, 11), other = makeRandomFromSpectrum(spectrum, T, 12);
+    CHECK(signal->duration() == T);
+    CHECK(signal->highestFrequency() == 130.3);
+    const int n = 2048;  // 512 Hz
+    std::vector<double> samples;
+    for (int k = 0; k < n; ++k) samples.push_back(signal->value(k * T / n));
+    double square = 0;
+    for (const double value : samples) square += value * value / n;
+    CHECK(std::sqrt(square) == Approx(spectrum.calcRms()).epsilon(1e-6));
+    // Slow DFT: each line holds what the spectrum has within 1/T, nothing elsewhere.
+    const auto findLine = [&](int line) {
+        std::complex<double> sum = 0;
+        for (int k = 0; k < n; ++k) sum += samples[std::size_t(k)] * std::polar(1.0, -kTwoPi * line * k / n);
+        return sum / double(n);
+    };
+    std::vector<std::complex<double>> lines;
+    for (int line = 0; line < n / 2; ++line) lines.push_back(findLine(line));
+    for (int line = 1; line < n / 2; ++line) {
+        double expected = spectrum.calcMeanSquare((line - 0.5) / T, (line + 0.5) / T);
+        if (line < 80 || line > 521) expected = 0;
+        if (line == 80) expected = spectrum.calcMeanSquare(20, 80.5 / T);
+        if (line == 521) expected = spectrum.calcMeanSquare(520.5 / T, 130.3);
+        CAPTURE(line);
+        CHECK(2 * std::norm(lines[std::size_t(line)]) == Approx(expected).epsilon(1e-5).margin(1e-12));
+    }
+    for (const double t : {0.00031, 0.7, 1.2345, 3.9991}) {
+        double sum = 0;
+        for (int line = 1; line < n / 2; ++line)
+            sum += 2 * (lines[std::size_t(line)] * std::polar(1.0, kTwoPi * line * t / T)).real();
+        CHECK(signal->value(t) == Approx(sum).margin(1e-6));
+        CHECK(again->value(t) == signal->value(t));
+        CHECK(other->value(t) != signal->value(t));
+    }
+    CHECK_THROWS_AS(makeRandomFromSpectrum(spectrum, 0.01, 1), InputError);
+    CHECK_THROWS_AS(makeRandomFromSpectrum(spectrum, 1e6, 1), InputError);
+}
+
+TEST_CASE("integrals at the start of a sum of sines leave no drift") {
+    const PowerSpectrum spectrum({20, 80}, {1, 1}, Quantity::acceleration);
+    std::vector<std::unique_ptr<Signal>> signals;
+    signals.push_back(makeDwell(5, 2));
+    signals.push_back(makeBandLimitedRandom(4, 40, 2, 3));
+    signals.push_back(makeRandomFromSpectrum(spectrum, 2, 5));
+    for (const auto& signal : signals) {
+        const auto start = signal->integralsAtStart();
+        REQUIRE(start);
+        // Simpson's rule over the duration, a multiple of every period: both integrals come back to where they began.
+        const int steps = 40000;
+        const double h = signal->duration() / steps;
+        double v = start->first, x = start->second, mean = 0;
+        for (int k = 0; k < steps; ++k) {
+            const double a = signal->value(k * h), b = signal->value((k + 0.5) * h), c = signal->value((k + 1) * h);
+            mean += x / steps;
+            x += h * v + h * h / 6 * (a + 2 * b);
+            v += h / 6 * (a + 4 * b + c);
+        }
+        CHECK(v == Approx(start->first).margin(1e-7));
+        CHECK(x == Approx(start->second).margin(1e-7));
+        CHECK(std::abs(mean) < 1e-7);
+        CHECK_FALSE(makeDwell(5, 2, {0.1, 0.1})->integralsAtStart());
+    }
+    CHECK_FALSE(makeLogarithmicSweep(5, 50, 4)->integralsAtStart());
+}

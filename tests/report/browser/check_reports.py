@@ -33,6 +33,9 @@ EXPECTED = {  # beginnings of titles
     "convert": ["mobile, displacement", "fixed, acceleration"],
     "element": ["Force over displacement"],
     "surface": ["Force over displacement", "Restoring force surface"],
+    "modes": ["Mode shapes", "Amplitude for each m/s^2, relative displacement z", "Density, connection force z"],
+    "response": ["Relative displacement 4.z"],
+    "spectra": ["H1 of mobile part, acceleration z", "Coherence of", "First order of", "Density of", "Shock response of"],
     "inspect": ["Order 1 along the sweep", "Phase of order 1"],
 }
 CLEARANCE = 1.57e-3  # m, of the axial stops of the shipped device
@@ -376,7 +379,7 @@ def main():
             errors = [entry["message"] for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
             checks.check(not errors, f"{name}: console errors {errors}")
         moving = [page.stem for page in pages if 'class="scene"' in page.read_text()]
-        checks.check(moving == ["rigidity", "fit", "diagnose"], f"the device moves in {moving}")
+        checks.check(moving == ["modes", "rigidity", "fit", "diagnose"], f"the device moves in {moving}")
     finally:
         browser.quit()
     print(f"{checks.count} checks, {len(checks.failures)} failed; screenshots in {arguments.out}")

@@ -17,6 +17,11 @@ def make_reports(simulate, identify, device, folder):
     (folder / "believed.toml").write_text(re.sub(r"stiffness = 1\.0e5", "stiffness = 0.9e5", text))
     sweep = ["--sweep", "5:50", "--rate", 60, "--noise", "displacement=1e-6,acceleration=0.01", "--quiet"]
     call(simulate, "device.toml", *sweep, "--force", "z=600", "-o", "axial.csv", "--report", "simulate.html", folder=folder)
+    (folder / "psd.csv").write_text("5,0.001\n100,0.001\n")
+    call(simulate, "device.toml", "--modes", "--frf", "5:100", "--psd", "psd.csv", "--base-acceleration", "z", "--quiet",
+         "--report", "modes.html", folder=folder)
+    call(simulate, "device.toml", "--response", "25:45", "--force", "z=150,300", "--harmonics", 7, "--quiet",
+         "--report", "response.html", folder=folder)
     call(simulate, "device.toml", *sweep, "--force", "x=120,y=150", "-o", "lateral.csv", folder=folder)
     call(simulate, "believed.toml", "--from-csv", "axial.csv", "-o", "believed.csv", "--quiet", folder=folder)
     # A second system that recorded the load alone, half a second behind.
@@ -33,6 +38,7 @@ def make_reports(simulate, identify, device, folder):
         "fit": ["fit", *runs, "--model", "believed.toml"],
         "element": ["fit", "axial.csv", "--model", "device.toml", "--connection", 4, "--axis", "z"],
         "diagnose": ["diagnose", "axial.csv", "--validate", "lateral.csv", "--model", "believed.toml"],
+        "spectra": ["spectra", *runs, "--model", "device.toml"],
         "inspect": ["inspect", "axial.csv"],
         "compare": ["compare", "axial.csv", "believed.csv", "--model", "device.toml"],
         "surface": ["surface", "axial.csv", "--connection", 4, "--axis", "z"],
@@ -40,4 +46,4 @@ def make_reports(simulate, identify, device, folder):
     }
     for name, arguments in commands.items():
         call(identify, *arguments, "--report", f"{name}.html", folder=folder)
-    return [folder / f"{name}.html" for name in ["simulate", *commands]]
+    return [folder / f"{name}.html" for name in ["simulate", "modes", "response", *commands]]

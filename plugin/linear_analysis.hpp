@@ -1,0 +1,62 @@
+/// @file
+/// What `simulate --modes` and `--frf` find in a model without a run: rest position, modes, transfer functions, random
+/// response, all of the model linearised about its rest position.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/damped_modes.hpp"
+#include "models/linear_response.hpp"
+#include "models/random_response.hpp"
+#include "models/static_sag.hpp"
+#include "models/terminal.hpp"
+
+namespace wems::plugin {
+
+/// Responses of every output (random_response.hpp) to one unit of the input.
+struct TransferFunctions {
+    std::string input, input_unit;  ///< `base acceleration z`, `m/s^2`
+    std::vector<double> frequency;  ///< Hz
+    Eigen::MatrixXcd response;      ///< outputs x frequencies
+};
+
+struct LinearAnalysis {
+    MountModel model;
+    LinearSystem system;
+    StaticSag sag;
+    std::vector<DampedMode> modes;
+    std::optional<TransferFunctions> transfer;
+    std::optional<RandomResponse> random;
+    std::string random_input;  ///< `base acceleration z, 1.2 g RMS from 20 to 2000 Hz`
+};
+
+/// What is asked for beside modes and rest position.
+struct LinearQuestion {
+    HarmonicInput direction;                        ///< of size 1 for transfer functions; times the spectrum
+    std::optional<std::pair<double, double>> band;  ///< Hz, of transfer functions
+    std::optional<PowerSpectrum> spectrum;
+};
+
+/// @throws InputError if the model cannot be simulated, has no stable rest position, or nothing would move
+LinearAnalysis analyseLinearly(const MountModel& model, const LinearQuestion& question);
+
+/// `1.z relative displacement` and the like: name, unit of the response itself.
+struct OutputName {
+    std::string name, unit;
+};
+std::vector<OutputName> nameOutputs(const MountModel& model);
+
+/// Connection and axis that move most in a mode, relative to each other; `bracket` where the parts move together.
+std::string describeShape(const LinearAnalysis& analysis, const DampedMode& mode);
+
+std::string formatAnalysis(const LinearAnalysis& analysis, TextStyle style);
+nlohmann::json makeAnalysisJson(const LinearAnalysis& analysis);
+/// Columns `frequency [Hz]`, then of each output its real and imaginary part, or its density.
+std::string formatAnalysisCsv(const LinearAnalysis& analysis);
+/// Modes in motion, transfer functions, densities. @throws InputError: cannot be written.
+void writeAnalysisReport(const LinearAnalysis& analysis, const std::string& file);
+
+}  // namespace wems::plugin

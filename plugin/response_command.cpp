@@ -1,0 +1,86 @@
+#include "plugin/response_command.hpp"
+
+#include <unistd.h>
+
+#include <iostream>
+#include <tuple>
+
+#include "models/atomic_file.hpp"
+#include "models/format_number.hpp"
+#include "models/progress.hpp"
+#include "plugin/linear_command.hpp"
+
+namespace wems::plugin {
+namespace {
+
+std::string describeLevel(const SimulateOptions& options, const Eigen::Vector3d& value) {
+    const bool force = !options.force.isZero();
+    std::string text;
+    for (int i = 0; i < 3; ++i)
+        if (value[i] != 0)
+            text += (text.empty() ? "" : ",") + std::string(1, "xyz"[i]) + "=" + formatNumber(value[i], 6);
+    return (force ? "force " : "base acceleration ") + text + (force ? " N" : " m/s^2");
+}
+
+}  // namespace
+
+const char* nameInstability(Instability instability) {
+    switch (instability) {
+        case Instability::real:
+            return "fold or pitchfork";
+        case Instability::period_doubling:
+            return "period doubling";
+        case Instability::neimark_sacker:
+            return "Neimark-Sacker";
+        case Instability::none:
+            break;
+    }
+    return "";
+}
+
+std::vector<std::string> nameStops(const MountModel& model) {
+    std::vector<std::string> names;
+    for (const Connection& connection : model.connections)
+        for (std::size_t k = 0; k < 3; ++k)
+            for (const Stop& stop : connection.axis[k].stops)
+                names.push_back(connection.name + "." + "xyz"[k] + (stop.side == Side::positive ? ".+" : ".-"));
+    return names;
+}
+
+std::vector<std::string> nameAxes(const MountModel& model) {
+    std::vector<std::string> names;
+    for (const Connection& connection : model.connections)
+        for (const char axis : {'x', 'y', 'z'}) names.push_back(connection.name + "." + axis);
+    return names;
+}
+
+void runResponseCurves(const SimulateOptions& options) {
+    const MountModel model = readMountModel(options.model_file);
+    validate(model);
+    ResponseSettings settings;
+    std::tie(settings.from, settings.to) = parseBand(options.response, "--response");
+    settings.harmonics = options.harmonics;
+    std::vector<LevelResponse> levels;
+    {
+        Progress progress(!options.quiet);
+        for (const Level& level : options.levels) {
+            const std::string name = describeLevel(options, level.value);
+            settings.progress = [&](double frequency, int points) {
+                if (!progress.due()) return;
+                const double share = (frequency - settings.from) / (settings.to - settings.from);
+                progress.show((static_cast<double>(levels.size()) + share) / static_cast<double>(options.levels.size()),
+                              name + ", " + formatNumber(frequency, 4) + " Hz, " + std::to_string(points) + " points");
+            };
+            const bool force = !options.force.isZero();
+            const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+            levels.push_back(
+                {name, calcResponseCurve(model, {force ? level.value : none, force ? none : level.value}, settings)});
+        }
+    }
+    if (!options.output_file.empty()) AtomicFile::write(options.output_file, formatResponseCsv(model, levels));
+    if (!options.report_file.empty()) writeResponseReport(model, levels, options.report_file);
+    if (writeJsonText(makeResponseJson(model, levels), options.json_file)) return;
+    if (!options.quiet) std::cout << formatResponses(model, levels, styleOf(STDOUT_FILENO));
+}
+
+}  // namespace wems::plugin
