@@ -17,6 +17,8 @@
 
 namespace wems {
 
+class OutputFiles;
+
 /// The mobile part. All vectors in M.
 struct MobileBody {
     double mass = 0;                                              ///< kg, > 0
@@ -77,6 +79,8 @@ MountModel parseMountModel(std::string_view text, const std::string& file);
 /// Writes the model as TOML that readMountModel reads back to the same model. A bracket file is referred to, relative
 /// to the new file where possible; replaced modes are written as [[bracket.mode]]. Nothing is left behind on failure.
 void writeMountModel(const MountModel& model, const std::string& file);
+/// The same as one, or with modes two, of the files that a command writes.
+void writeMountModel(const MountModel& model, const std::string& file, OutputFiles& outputs);
 
 /// The same as text; `bracket_file` is written as the modes' path.
 std::string formatMountModel(const MountModel& model, const std::string& bracket_file);

@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <iostream>
 
 #include "models/atomic_file.hpp"
+#include "models/command_line/standard_streams.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/progress.hpp"
@@ -53,6 +53,9 @@ double findHighestFrequency(const Drive& drive) {
 
 void run(const SimulateOptions& options) {
     const MountModel model = readMountModel(options.model_file);
+    OutputFiles outputs;
+    const std::vector<std::string> modes{model.bracket_path};
+    checkOutputs({options.output_file, options.json_file == "-" ? "" : options.json_file, options.report_file}, modes);
     const Excitation excitation = makeExcitation(options);
     if (excitation.drive->hasBase() && !participatesInBaseMotion(model))
         std::cerr << "simulate: note: the modes file has no base.ux, base.uy, base.uz columns: the base motion shakes "
@@ -92,31 +95,33 @@ void run(const SimulateOptions& options) {
     if (!options.output_file.empty()) {
         WriteOptions write;
         for (const Connection& connection : model.connections) write.rest[connection.name] = connection.position;
-        for (const std::string& note : writeRecording(result.recording, options.output_file, write))
+        for (const std::string& note : writeRecording(result.recording, options.output_file, write, outputs))
             std::cerr << "simulate: note: " << note << "\n";
     }
-    if (!options.report_file.empty()) writeHtmlSummary(description, options.report_file);
+    if (!options.report_file.empty()) writeHtmlSummary(description, options.report_file, outputs);
     // Names of files need not be UTF-8.
     const std::string json =
         makeSummaryJson(description).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    if (options.json_file == "-") {
+    const bool data_on_output = options.json_file == "-";
+    if (data_on_output) {
         std::cout << json;
-        return;
+    } else if (!options.json_file.empty()) {
+        outputs.add(options.json_file, json);
     }
-    if (!options.json_file.empty()) AtomicFile::write(options.json_file, json);
-    if (!options.quiet) std::cout << formatSummary(description, styleOf(STDOUT_FILENO));
+    if (!options.quiet && !data_on_output) std::cout << formatSummary(description, styleOf(STDOUT_FILENO));
+    flushStandardOutput();
+    outputs.commit();
+}
+
+int work(int argc, char** argv) {
+    int exit_status = 0;
+    const auto options = parseCommandLine(argc, argv, exit_status);
+    if (options) run(*options);
+    return exit_status;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        int exit_status = 0;
-        const auto options = parseCommandLine(argc, argv, exit_status);
-        if (options) run(*options);
-        return exit_status;
-    } catch (const std::exception& error) {
-        std::cerr << "simulate: " << error.what() << "\n";
-    }
-    return 2;
+    return runProgram("simulate", work, argc, argv);
 }

@@ -105,7 +105,7 @@ nlohmann::json makeSummaryJson(const RunDescription& run) {
               {"realizations", run.result.cost.realizations}}}};
 }
 
-void writeHtmlSummary(const RunDescription& run, const std::string& file) {
+void writeHtmlSummary(const RunDescription& run, const std::string& file, OutputFiles& outputs) {
     HtmlReport report("Simulation of " + run.model.name);
     const Recording& recording = run.result.recording;
     std::vector<std::string> settings;
@@ -147,7 +147,7 @@ void writeHtmlSummary(const RunDescription& run, const std::string& file) {
         }
     }
     report.addText(describeCost(run.result.cost));
-    report.write(file);
+    report.write(file, outputs);
 }
 
 }  // namespace wems::plugin

@@ -26,6 +26,6 @@ std::string formatSummary(const RunDescription& run, TextStyle style);
 nlohmann::json makeSummaryJson(const RunDescription& run);
 
 /// The summary with plots of the relative displacements and accelerations. @throws InputError: cannot be written.
-void writeHtmlSummary(const RunDescription& run, const std::string& file);
+void writeHtmlSummary(const RunDescription& run, const std::string& file, OutputFiles& outputs);
 
 }  // namespace wems::plugin
