@@ -12,8 +12,9 @@ constexpr double longest_step = 1e-3;  // s; three-point Gauss is exact to h^6, 
 BaseMotion::BaseMotion(const Drive& drive, double duration) : drive_(drive) {
     const auto steps = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(duration / longest_step)));
     step_ = duration / static_cast<double>(steps);
-    nodes_.assign(steps + 1, {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
-    if (!drive.hasBase() || !(duration > 0)) return;
+    const bool at_rest = !drive.hasBase() || !(duration > 0);
+    nodes_.assign(at_rest ? 1 : steps + 1, {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
+    if (at_rest) return;
     for (std::size_t k = 0; k < steps; ++k) {
         const double t = static_cast<double>(k) * step_;
         nodes_[k + 1] = integrate(nodes_[k], t, t + step_);

@@ -1,9 +1,15 @@
 // The executable `simulate`: a mount model under a load or base motion, recorded as CSV or for OpenSim.
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "models/atomic_file.hpp"
 #include "models/command_line/standard_streams.hpp"
@@ -12,6 +18,8 @@
 #include "models/progress.hpp"
 #include "models/recording/recording_writer.hpp"
 #include "models/terminal.hpp"
+#include "plugin/run_estimate.hpp"
+#include "plugin/run_overview.hpp"
 #include "plugin/simulate_options.hpp"
 #include "plugin/simulation.hpp"
 #include "plugin/summary.hpp"
@@ -51,64 +59,150 @@ double findHighestFrequency(const Drive& drive) {
     return std::fmax(0, std::fmax(drive.calcFrequency(0), drive.calcFrequency(drive.duration())));
 }
 
+/// Where a run stands against the clock, and what keeps it from being faster.
+class RunClock {
+public:
+    RunClock(const MountModel& model, double duration, double limit)
+        : law_(findFastestLaw(model)), duration_(duration), limit_(limit) {}
+
+    /// Why the run must end at the time `t` that it has reached, s; empty if it may go on. Says once that it is long.
+    std::string check(double t, bool quiet) {
+        const double spent = std::chrono::duration<double>(Clock::now() - start_).count();
+        reached_ = std::max(reached_, t);
+        const double whole = reached_ > 0 ? spent * duration_ / reached_ : INFINITY;
+        if (spent > settled && whole > limit_)
+            return describe(spent, whole) + " (accepted: a shorter run, a slower law, or --time-limit)";
+        if (spent > settled && whole > long_run && !said_ && !quiet) {
+            said_ = true;
+            std::cerr << "simulate: note: " << describe(spent, whole) << "\n";
+        }
+        return {};
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    static constexpr double settled = 5, long_run = 60;  // s
+
+    std::string describe(double spent, double whole) const {
+        std::string text = "t = " + formatNumber(reached_, 3) + " s of " + formatNumber(duration_, 6) + " s after " +
+                           formatNumber(spent, 2) + " s, so that the whole run would take ";
+        text += std::isfinite(whole) ? "about " + formatNumber(whole, 3) + " s" : "forever";
+        constexpr double fast = 1e4;  // 1/s; slower ones do not limit steps of a millisecond
+        if (law_.rate > fast)
+            text += "; the fastest law is " + law_.name + " = " + formatNumber(law_.value, 4) + ", with a rate of " +
+                    formatNumber(law_.rate, 3) + " 1/s, which allows steps of " + formatNumber(3 / law_.rate, 2) + " s";
+        return text;
+    }
+
+    FastestLaw law_;
+    double duration_, limit_, reached_ = 0;
+    bool said_ = false;
+    Clock::time_point start_ = Clock::now();
+};
+
+std::vector<std::string> listNotes(const SimulateOptions& options, const MountModel& model,
+                                   const Excitation& excitation, const RunEstimate& estimate) {
+    std::vector<std::string> notes;
+    if (excitation.drive->hasBase() && !participatesInBaseMotion(model))
+        notes.emplace_back(
+            "the modes file has no base.ux, base.uy, base.uz columns: the base motion shakes "
+            "the mobile part, not the bracket's own mass");
+    if (const double rate = options.sample_rate.value_or(INFINITY); rate < 2 * findHighestFrequency(*excitation.drive))
+        notes.push_back(
+            formatNumber(rate) +
+            " Hz are less than two samples in a period of the excitation: the recording shows other frequencies");
+    constexpr double large_file = 1e9;  // bytes
+    constexpr double many_steps = 1e7;  // some minutes
+    if (!options.quiet && (estimate.file_bytes > large_file || estimate.steps > many_steps))
+        notes.push_back(describe(estimate));
+    return notes;
+}
+
+Recording makeHeader(const SimulateOptions& options, const MountModel& model, const Excitation& excitation,
+                     const std::vector<SensorChannel>& channels) {
+    Recording header = makeRecordingHeader(channels);
+    header.metadata = {{"program", "wems simulate " WEMS_VERSION},
+                       {"simbody", simbodyVersion()},
+                       {"model", model.name + " (" + options.model_file + ")"},
+                       {"excitation", excitation.description},
+                       {"level", excitation.level},
+                       {"noise", describeNoise(options.noise)},
+                       {"seed", std::to_string(options.seed)},
+                       {"accuracy", formatNumber(options.accuracy)}};
+    return header;
+}
+
+std::unique_ptr<RecordingWriter> openOutput(const SimulateOptions& options, const MountModel& model,
+                                            const Recording& header, const SampleTimes& times) {
+    if (options.output_file.empty()) return nullptr;
+    WriteOptions write;
+    for (const Connection& connection : model.connections) write.rest[connection.name] = connection.position;
+    const double interval = times.size() > 1 ? times.back() / static_cast<double>(times.size() - 1) : 0;
+    return openRecordingWriter(header, {times.size(), interval}, options.output_file, write);
+}
+
 void run(const SimulateOptions& options) {
     const MountModel model = readMountModel(options.model_file);
+    const bool data_on_output = options.json_file == "-";
     OutputFiles outputs;
-    const std::vector<std::string> modes{model.bracket_path};
-    checkOutputs({options.output_file, options.json_file == "-" ? "" : options.json_file, options.report_file}, modes);
+    checkOutputs({options.output_file, data_on_output ? "" : options.json_file, options.report_file},
+                 {model.bracket_path});
     const Excitation excitation = makeExcitation(options);
-    if (excitation.drive->hasBase() && !participatesInBaseMotion(model))
-        std::cerr << "simulate: note: the modes file has no base.ux, base.uy, base.uz columns: the base motion shakes "
-                     "the mobile part, not the bracket's own mass\n";
+    const SampleTimes& times = excitation.times;
+    if (times.empty()) throw InputError({}, "the run has no sample", "a duration above the sample interval");
 
-    if (const double rate = options.sample_rate.value_or(INFINITY); rate < 2 * findHighestFrequency(*excitation.drive))
-        std::cerr
-            << "simulate: note: " << formatNumber(rate)
-            << " Hz are less than two samples in a period of the excitation: the recording shows other frequencies\n";
-
-    Progress progress(!options.quiet);
     SimulationSettings settings;
-    settings.times = excitation.times;
+    settings.times = times;
     settings.channels = options.channels;
     settings.noise = options.noise;
     settings.seed = options.seed;
     settings.accuracy = options.accuracy;
-    settings.progress = [&](double t) {
-        if (!progress.due()) return;
-        char what[80];
-        std::snprintf(what, sizeof what, "t = %.1f s of %.1f s, %.1f Hz", t, settings.times.back(),
-                      excitation.drive->calcFrequency(t));
-        progress.show(t / settings.times.back(), what);
-    };
-    SimulationResult result = simulate(model, excitation.drive, settings);
+    const auto channels =
+        makeSensorChannels(model, options.channels, excitation.drive->hasLoad(), excitation.drive->hasBase());
+    const RunEstimate estimate = estimateRun(static_cast<double>(times.size()), static_cast<double>(channels.size()),
+                                             times.back(), settings.longest_step, excitation.drive->hasBase());
+    checkMemory(estimate);
+    std::vector<std::string> notes = listNotes(options, model, excitation, estimate);
 
-    for (double& t : result.recording.time) t += excitation.time_offset;
-    result.recording.metadata = {{"program", "wems simulate " WEMS_VERSION},
-                                 {"simbody", simbodyVersion()},
-                                 {"model", model.name + " (" + options.model_file + ")"},
-                                 {"excitation", excitation.description},
-                                 {"level", excitation.level},
-                                 {"noise", describeNoise(options.noise)},
-                                 {"seed", std::to_string(options.seed)},
-                                 {"accuracy", formatNumber(options.accuracy)}};
-    const RunDescription description{model, *excitation.drive, result, excitation.time_offset};
-    if (!options.output_file.empty()) {
-        WriteOptions write;
-        for (const Connection& connection : model.connections) write.rest[connection.name] = connection.position;
-        for (const std::string& note : writeRecording(result.recording, options.output_file, write, outputs))
-            std::cerr << "simulate: note: " << note << "\n";
+    std::optional<Progress> progress(std::in_place, !options.quiet);
+    settings.progress = [&](double t) {
+        if (!progress->due()) return;
+        char what[80];
+        std::snprintf(what, sizeof what, "t = %.1f s of %.1f s, %.1f Hz", t, times.back(),
+                      excitation.drive->calcFrequency(t));
+        progress->show(t / times.back(), what);
+    };
+    RunClock clock(model, times.back(), options.time_limit);
+    settings.watch = [&](double t) { return clock.check(t, options.quiet); };
+
+    const Recording header = makeHeader(options, model, excitation, channels);
+    const auto writer = openOutput(options, model, header, times);
+    RunOverview overview(header, times.size());
+    settings.sink = [&](const Recording& rows) {
+        Recording shifted = rows;
+        for (double& t : shifted.time) t += excitation.time_offset;
+        if (writer) writer->append(shifted);
+        if (!options.report_file.empty()) overview.add(shifted);
+    };
+    const SimulationResult result = simulate(model, excitation.drive, settings);
+    progress.reset();
+
+    if (writer) {
+        outputs.add(writer->finish());
+        notes.insert(notes.end(), writer->notes().begin(), writer->notes().end());
     }
-    if (!options.report_file.empty()) writeHtmlSummary(description, options.report_file, outputs);
+    const RunDescription description{model, *excitation.drive, result, excitation.time_offset};
+    if (!options.report_file.empty()) writeHtmlSummary(description, header, overview, options.report_file, outputs);
     // Names of files need not be UTF-8.
     const std::string json =
         makeSummaryJson(description).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    const bool data_on_output = options.json_file == "-";
     if (data_on_output) {
         std::cout << json;
     } else if (!options.json_file.empty()) {
         outputs.add(options.json_file, json);
     }
     if (!options.quiet && !data_on_output) std::cout << formatSummary(description, styleOf(STDOUT_FILENO));
+    for (const std::string& note : notes) std::cerr << "simulate: note: " << note << "\n";
     flushStandardOutput();
     outputs.commit();
 }
