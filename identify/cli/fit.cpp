@@ -179,6 +179,8 @@ void runFit(FitCommandOptions options, const CLI::App& command, OutputFiles& out
     }
     watch.lap("reading");
     if (!isComponentTest(recordings.front()) && !asksForElement(command)) {
+        checkFitStart(model, options.runs.model);
+        checkSampleRate(recordings, model);
         for (Recording& recording : recordings) checkConnections(recording, model);
         watch.lap("checks");
         DeviceRuns device = estimateRuns(options, model, recordings, *progress);
