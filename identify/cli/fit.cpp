@@ -69,6 +69,25 @@ void addWrittenModel(MountModel model, const std::string& file, std::vector<std:
     }
 }
 
+/// A mount that feeds its motion is none: the recording runs backwards, or a sign is wrong.
+void noteNegativeDamping(const FitResult& fit, std::vector<std::string>& notes) {
+    const std::string ending = ".damping";
+    long known = 0, negative = 0;
+    std::string first;
+    for (const FittedParameter& parameter : fit.parameters) {
+        const std::string& name = parameter.name;
+        if (name.size() < ending.size() || name.compare(name.size() - ending.size(), ending.size(), ending) != 0)
+            continue;
+        ++known;
+        if (!(parameter.interval95[1] < 0)) continue;
+        ++negative;
+        if (first.empty()) first = name + " = " + formatNumber(parameter.value, 3) + " " + parameter.unit;
+    }
+    if (2 * negative > known)
+        notes.push_back("the mount feeds the motion with energy (" + first +
+                        " and others): does the time run backwards, or has a channel the wrong sign?");
+}
+
 /// @param recordings of the runs; none where the runs are blocks of long ones
 void fitDevice(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings,
                DeviceRuns device, Timing timing, std::unique_ptr<Progress> progress, OutputFiles& outputs) {
@@ -78,6 +97,7 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, const 
     progress->step("equations of motion, parameters and intervals", device.blocks ? 0 : kMotionShare);
     const FitResult fit = fitMount(runs, model, options.fit);
     notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
+    noteNegativeDamping(fit, notes);
     if (!options.output.empty()) addWrittenModel(fit.model, options.output, notes, outputs);
     watch.restart();  // the fit has steps of its own
     timing.insert(timing.end(), fit.timing.begin(), fit.timing.end());
@@ -181,7 +201,7 @@ void runFit(FitCommandOptions options, const CLI::App& command, OutputFiles& out
     if (!isComponentTest(recordings.front()) && !asksForElement(command)) {
         checkFitStart(model, options.runs.model);
         checkSampleRate(recordings, model);
-        for (Recording& recording : recordings) checkConnections(recording, model);
+        for (Recording& recording : recordings) checkWhole(recording, model);
         watch.lap("checks");
         DeviceRuns device = estimateRuns(options, model, recordings, *progress);
         watch.lap("kinematics");

@@ -8,6 +8,7 @@
 #include "identify/cli/inspect_report.hpp"
 #include "identify/cli/long_recordings.hpp"
 #include "identify/cli/recordings.hpp"
+#include "identify/inspect/derivative_check.hpp"
 #include "identify/inspect/inspection.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/progress.hpp"
@@ -121,6 +122,7 @@ Inspection inspectOne(const InspectOptions& options, const std::string& file, co
     progress.step("reading " + file);
     recording = readRecording(file, map);
     progress.step("looking at " + file, 0.25);
+    for (std::string& sentence : findContradictions(recording)) recording.warnings.push_back(std::move(sentence));
     return inspect(recording, model);
 }
 

@@ -1,7 +1,9 @@
 #include "identify/cli/recordings.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "identify/inspect/derivative_check.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/linear_modes.hpp"
@@ -80,6 +82,11 @@ void checkConnections(Recording& recording, const MountModel& model) {
     for (const Finding& finding : checkAgainstModel(recording, model)) recording.warnings.push_back(finding.message);
 }
 
+void checkWhole(Recording& recording, const MountModel& model) {
+    checkConnections(recording, model);
+    for (std::string& sentence : findContradictions(recording)) recording.warnings.push_back(std::move(sentence));
+}
+
 void keepOnly(const std::string& use, Recording& recording) {
     if (use == "all") return;
     const Derivative kept = use == "accelerations" ? Derivative::acceleration : Derivative::displacement;
@@ -103,7 +110,7 @@ std::vector<Recording> readDeviceRecordings(const std::vector<std::string>& file
         if (recordings.back().sampleCount() < least_samples)
             throw InputError({file, 0, "time"}, "only " + std::to_string(recordings.back().sampleCount()) + " samples",
                              "at least " + std::to_string(least_samples));
-        checkConnections(recordings.back(), model);
+        checkWhole(recordings.back(), model);
     }
     return recordings;
 }

@@ -23,6 +23,8 @@ MountModel readDeviceModel(const std::string& file, const std::string& geometry)
 
 /// Connections that are missing, unknown or exchanged join the recording's warnings.
 void checkConnections(Recording& recording, const MountModel& model);
+/// The same of a whole recording, with accelerations that contradict the displacements beside them.
+void checkWhole(Recording& recording, const MountModel& model);
 
 /// @param file of the model
 /// @throws InputError if no elastomer has a stiffness that a fit could start from
