@@ -62,7 +62,7 @@ double findHighestFrequency(const Drive& drive) {
 /// Where a run stands against the clock, and what keeps it from being faster.
 class RunClock {
 public:
-    RunClock(const MountModel& model, double duration, double limit)
+    RunClock(const MountModel& model, double duration, std::optional<double> limit)
         : law_(findFastestLaw(model)), duration_(duration), limit_(limit) {}
 
     /// Why the run must end at the time `t` that it has reached, s; empty if it may go on. Says once that it is long.
@@ -70,9 +70,10 @@ public:
         const double spent = std::chrono::duration<double>(Clock::now() - start_).count();
         reached_ = std::max(reached_, t);
         const double whole = reached_ > 0 ? spent * duration_ / reached_ : INFINITY;
-        if (spent > settled && whole > limit_)
+        const bool stiff = whole > slow * duration_;
+        if (spent > settled && whole > limit_.value_or(stiff ? minute : hour))
             return describe(spent, whole) + " (accepted: a shorter run, a slower law, or --time-limit)";
-        if (spent > settled && whole > long_run && !said_ && !quiet) {
+        if (spent > settled && whole > minute && !said_ && !quiet) {
             said_ = true;
             std::cerr << "simulate: note: " << describe(spent, whole) << "\n";
         }
@@ -81,7 +82,8 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
-    static constexpr double settled = 5, long_run = 60;  // s
+    static constexpr double settled = 5, minute = 60, hour = 3600;  // s
+    static constexpr double slow = 10;  // s for a second of motion; ordinary devices take less than 0.1
 
     std::string describe(double spent, double whole) const {
         std::string text = "t = " + formatNumber(reached_, 3) + " s of " + formatNumber(duration_, 6) + " s after " +
@@ -95,7 +97,8 @@ private:
     }
 
     FastestLaw law_;
-    double duration_, limit_, reached_ = 0;
+    double duration_, reached_ = 0;
+    std::optional<double> limit_;
     bool said_ = false;
     Clock::time_point start_ = Clock::now();
 };

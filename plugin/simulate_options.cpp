@@ -183,7 +183,7 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     addOutputFile(app, "--json", options.json_file, "write the summary as JSON to FILE (- for standard output)", true);
     addOutputFile(app, "--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
     app.add_option("--time-limit", options.time_limit,
-                   "s; a run that would take longer ends with the reason (default 3600)")
+                   "s; a run that would take longer ends with the reason (default 3600, of a stiff model 60)")
         ->check(isPositive());
     app.add_flag("-q,--quiet", options.quiet, "no progress, no summary");
     addCompletionOption(app);

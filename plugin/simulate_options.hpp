@@ -38,7 +38,7 @@ struct SimulateOptions {
     ChannelSelection channels;
     SensorNoise noise;
     std::uint64_t seed = 1;
-    double time_limit = 3600;  ///< s
+    std::optional<double> time_limit;  ///< s; without it an hour, a minute where a stiff law makes the run slow
     bool quiet = false;
 };
 
