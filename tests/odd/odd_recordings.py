@@ -1,5 +1,8 @@
 """Recordings that a laboratory hands over by mistake: each function draws one oddity into a good recording."""
 
+import math
+import re
+
 
 class Recording:
     """A CSV as columns of texts."""
@@ -11,7 +14,9 @@ class Recording:
         self.columns = [[row[c] for row in rows] for c in range(len(self.header))]
 
     def numbers(self, c):
-        return [float(text) for text in self.columns[c]]
+        """NaN where an oddity before left no number."""
+        return [float(text) if re.fullmatch(r"-?[\d.]+(e[+-]?\d+)?|-?inf|nan", text) else math.nan
+                for text in self.columns[c]]
 
     def set(self, c, values):
         self.columns[c] = [repr(float(value)) for value in values]
@@ -62,7 +67,7 @@ def odd_time(r, random):
     elif kind == 5:
         t = [x + random.uniform(-1, 1) * 5e-3 for x in t]
     else:
-        t = [x**random.choice([2, 0.5]) for x in t]
+        t = [abs(x)**random.choice([2, 0.5]) for x in t]
     r.set(0, t)
 
 
