@@ -204,13 +204,13 @@ bool holdsMore(const MountModel& model) {
 }
 
 /// Writes all modes to a file beside `file` and returns its name; never the file that the model was read from.
-std::string writeOwnModes(const MountModel& model, const std::filesystem::path& file) {
+std::string writeOwnModes(const MountModel& model, const std::filesystem::path& file, OutputFiles& outputs) {
     const std::string stem = file.stem().string();
     std::error_code missing;
     std::filesystem::path own = file.parent_path() / (stem + "_bracket.csv");
     if (std::filesystem::equivalent(own, model.bracket_path, missing))
         own = file.parent_path() / (stem + "_bracket_extended.csv");
-    AtomicFile::write(own.string(), formatBracketModes(model.bracket));
+    outputs.add(own.string(), formatBracketModes(model.bracket));
     return own.filename().string();
 }
 
@@ -239,7 +239,7 @@ std::string formatMountModel(const MountModel& model, const std::string& bracket
     return out.text();
 }
 
-void writeMountModel(const MountModel& model, const std::string& file) {
+void writeMountModel(const MountModel& model, const std::string& file, OutputFiles& outputs) {
     namespace fs = std::filesystem;
     validate(model);
     std::string bracket_file = model.bracket_file;
@@ -254,8 +254,14 @@ void writeMountModel(const MountModel& model, const std::string& file) {
         if (!failed) bracket_file = modes.lexically_proximate(folder).generic_string();
     }
     // The modes first: no model is left that names a file that is not there.
-    if (!model.bracket_path.empty() && holdsMore(model)) bracket_file = writeOwnModes(model, file);
-    AtomicFile::write(file, formatMountModel(model, bracket_file));
+    if (!model.bracket_path.empty() && holdsMore(model)) bracket_file = writeOwnModes(model, file, outputs);
+    outputs.add(file, formatMountModel(model, bracket_file));
+}
+
+void writeMountModel(const MountModel& model, const std::string& file) {
+    OutputFiles outputs;
+    writeMountModel(model, file, outputs);
+    outputs.commit();
 }
 
 }  // namespace wems

@@ -18,6 +18,8 @@
 
 namespace wems {
 
+class OutputFiles;
+
 /// x y z rx ry rz, as a model file names the motions of the mobile part.
 inline constexpr std::array<const char*, 6> kMotionNames{"x", "y", "z", "rx", "ry", "rz"};
 
@@ -97,6 +99,8 @@ MountModel parseMountModel(std::string_view text, const std::string& file);
 /// Writes the model as TOML that readMountModel reads back to the same model. A bracket file is referred to, relative
 /// to the new file where possible; replaced modes are written as [[bracket.mode]]. Nothing is left behind on failure.
 void writeMountModel(const MountModel& model, const std::string& file);
+/// The same as one, or with modes two, of the files that a command writes.
+void writeMountModel(const MountModel& model, const std::string& file, OutputFiles& outputs);
 
 /// The same as text; `bracket_file` is written as the modes' path.
 std::string formatMountModel(const MountModel& model, const std::string& bracket_file);

@@ -30,6 +30,38 @@ std::string describeExpectation(std::string_view text) {
     return "a TOML file";
 }
 
+constexpr int kMostParts =
+    64;  // of a dotted key; each is a table within the one before, to the parser a call within a call
+
+/// Refuses what would take more stack than there is. Strings count as one letter, comments as none.
+void checkKeys(std::string_view text, const std::string& file) {
+    long line = 1;
+    int parts = 1;
+    char quote = 0;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (c == '\n') {
+            ++line;
+            parts = 1;
+            quote = 0;  // a string over several lines is read as words and dots, which are few
+        } else if (quote != 0) {
+            if (c == '\\' && quote == '"') ++i;
+            if (c == quote) quote = 0;
+        } else if (c == '"' || c == '\'') {
+            quote = c;
+        } else if (c == '#') {
+            i = std::min(text.find('\n', i), text.size()) - 1;
+        } else if (c == '.') {
+            ++parts;
+        } else if (std::string_view("=,[]{}").find(c) != std::string_view::npos) {
+            parts = 1;
+        }
+        if (parts > kMostParts)
+            throw InputError({file, line, {}}, "a key has more than " + std::to_string(kMostParts) + " parts",
+                             "keys such as body.mass");
+    }
+}
+
 }  // namespace
 
 long TomlPlaces::find(const std::string& key) const {
@@ -203,6 +235,7 @@ void TomlTable::rejectUnknownKeys() const {
 }
 
 toml::table parseToml(std::string_view text, const std::string& file) {
+    checkKeys(text, file);
     try {
         return toml::parse(text, file);
     } catch (const toml::parse_error& error) {

@@ -12,7 +12,7 @@ constexpr double kStepsPerPeriod = 16;
 
 /// From 0 to `duration`, evenly between kinks.
 std::vector<double> makeTimes(const Drive& drive, double duration) {
-    const double longest = std::min(kLongestStep, 1 / (kStepsPerPeriod * drive.highestFrequency()));
+    const double longest = BaseMotion::findLongestStep(drive);
     std::vector<double> ends = drive.kinks();
     ends.push_back(duration);
     std::sort(ends.begin(), ends.end());
@@ -38,6 +38,10 @@ BaseMotion::BaseMotion(const Drive& drive, double duration) : drive_(drive), tim
     for (std::size_t k = 0; k + 1 < times_.size(); ++k)
         nodes_.push_back(integrate(nodes_[k], times_[k], times_[k + 1]));
     if (!start) removeDrift();
+}
+
+double BaseMotion::findLongestStep(const Drive& drive) {
+    return std::min(kLongestStep, 1 / (kStepsPerPeriod * drive.highestFrequency()));
 }
 
 void BaseMotion::removeDrift() {

@@ -21,6 +21,9 @@ public:
     /// @param duration s, of the run
     BaseMotion(const Drive& drive, double duration);
 
+    /// s, from one node to the next
+    static double findLongestStep(const Drive& drive);
+
     struct Value {
         Eigen::Vector3d displacement, velocity;  ///< m, m/s
     };

@@ -59,6 +59,7 @@ public:
         const BodyMotion mobile = calcFrameMotion(mobile_, SimTK::Transform(), state);
         const FrameMotion fixed = calcFixedMotion(state);
 
+        askWatch(t);
         checkPose(mobile, fixed, t);
         Wrench on_mobile, on_fixed;
         values.laws.calc(mobile, fixed, t, z + 2 * modes_, on_mobile, on_fixed, zdot + 2 * modes_);
@@ -115,6 +116,7 @@ public:
     int lawStateCount() const { return state_.count() - 2 * modes_ - 1; }
     int energyIndex() const { return state_.count() - 1; }
     const std::string& failure() const { return failure_; }
+    void setWatch(std::function<std::string(double)> watch) const { watch_ = std::move(watch); }
 
 private:
     /// Adds the reactions of the guides: to the wrench on the mobile part, and to the modal accelerations in zdot.
@@ -135,6 +137,14 @@ private:
         on_mobile.force = values.body.mass * acceleration.head<3>();
         on_mobile.moment =
             inertia * acceleration.tail<3>() + mobile.w_GM.cross(inertia * mobile.w_GM) + arm.cross(on_mobile.force);
+    }
+
+    void askWatch(double t) const {
+        constexpr long calls_between = 256;  // a few milliseconds
+        if (watch_ && stopped_.empty() && ++calls_ % calls_between == 0) stopped_ = watch_(t);
+        if (stopped_.empty()) return;
+        failure_ = stopped_;
+        throw std::runtime_error(failure_);
     }
 
     // The integrator answers an exception with a shorter step, so that a wild trial step does no harm; where every step
@@ -167,6 +177,9 @@ private:
     int modes_;
     ElementState<DeviceValues> state_;
     mutable std::string failure_;  // the integrator swallows what calcForce throws
+    mutable std::function<std::string(double)> watch_;
+    mutable long calls_ = 0;
+    mutable std::string stopped_;  // why the watch ended the run
 };
 
 const DeviceForceImplementation& getDevice(const SimTK::Force::Custom::Implementation& implementation) {
@@ -233,6 +246,10 @@ Bracket::FrameAcceleration DeviceForce::calcFixedAcceleration(const SimTK::State
 double DeviceForce::getDissipatedEnergy(const SimTK::State& state) const {
     const auto& device = getDevice(getImplementation());
     return device.elementState().getZ(state)[device.energyIndex()];
+}
+
+void DeviceForce::setWatch(std::function<std::string(double)> watch) const {
+    getDevice(getImplementation()).setWatch(std::move(watch));
 }
 
 const std::string& DeviceForce::failure() const {

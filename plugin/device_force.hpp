@@ -18,7 +18,9 @@
 /// + getDissipatedEnergy is constant without load, base motion and drift.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <string>
 
 #include "models/mount_model.hpp"
 #include "plugin/drive.hpp"
@@ -54,6 +56,10 @@ public:
 
     /// J, from the start.
     double getDissipatedEnergy(const SimTK::State& state) const;
+
+    /// Called now and then with the time of the force that is computed, s; a text that it returns is the failure() of
+    /// this and of all later forces.
+    void setWatch(std::function<std::string(double)> watch) const;
 
     /// Why the forces could not be computed, last time; empty if they always could. Simbody itself tells no reason.
     const std::string& failure() const;

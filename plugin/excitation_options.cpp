@@ -17,13 +17,11 @@ std::string formatVector(const Eigen::Vector3d& v) {
 }
 
 /// k/rate for all k with k/rate ≤ duration.
-std::vector<double> makeUniformTimes(double rate, double duration) {
+SampleTimes makeUniformTimes(double rate, double duration) {
     const double count = std::floor(duration * rate * (1 + 1e-12)) + 1;
-    if (count > 5e8)
+    if (!(count < 5e8))
         throw InputError({"", 0, "--sample-rate"}, "gives " + formatNumber(count, 3) + " samples", "fewer than 5e8");
-    std::vector<double> times(static_cast<std::size_t>(count));
-    for (std::size_t k = 0; k < times.size(); ++k) times[k] = static_cast<double>(k) / rate;
-    return times;
+    return SampleTimes::makeUniform(rate, static_cast<std::size_t>(count));
 }
 
 Excitation makeReplay(const SimulateOptions& options) {

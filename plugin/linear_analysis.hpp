@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "models/atomic_file.hpp"
 #include "models/damped_modes.hpp"
 #include "models/linear_response.hpp"
 #include "models/random_response.hpp"
@@ -57,6 +58,6 @@ nlohmann::json makeAnalysisJson(const LinearAnalysis& analysis);
 /// Columns `frequency [Hz]`, then of each output its real and imaginary part, or its density.
 std::string formatAnalysisCsv(const LinearAnalysis& analysis);
 /// Modes in motion, transfer functions, densities. @throws InputError: cannot be written.
-void writeAnalysisReport(const LinearAnalysis& analysis, const std::string& file);
+void writeAnalysisReport(const LinearAnalysis& analysis, const std::string& file, OutputFiles& outputs);
 
 }  // namespace wems::plugin

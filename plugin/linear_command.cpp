@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "models/atomic_file.hpp"
+#include "models/command_line/standard_streams.hpp"
 #include "models/error.hpp"
 #include "models/terminal.hpp"
 #include "plugin/linear_analysis.hpp"
@@ -25,16 +25,27 @@ std::pair<double, double> parseBand(const std::string& text, const std::string& 
     return {from, to};
 }
 
-bool writeJsonText(const nlohmann::json& result, const std::string& file) {
-    if (file.empty()) return false;
+OutputFiles beginOutputs(const SimulateOptions& options, const MountModel& model) {
+    checkOutputs({options.output_file, options.json_file == "-" ? "" : options.json_file, options.report_file},
+                 {model.bracket_path});
+    OutputFiles outputs;
+    outputs.protect({options.model_file, model.bracket_path});
+    return outputs;
+}
+
+void finishOutputs(const SimulateOptions& options, const nlohmann::json& result, const std::string& text,
+                   OutputFiles& outputs) {
+    const bool data_on_output = options.json_file == "-";
     // Names of files need not be UTF-8.
-    const std::string text = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    if (file != "-") {
-        AtomicFile::write(file, text);
-        return false;
+    const std::string json = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    if (data_on_output) {
+        std::cout << json;
+    } else {
+        if (!options.json_file.empty()) outputs.add(options.json_file, json);
+        if (!options.quiet) std::cout << text;
     }
-    std::cout << text;
-    return true;
+    flushStandardOutput();
+    outputs.commit();
 }
 
 void runLinearAnalysis(const SimulateOptions& options) {
@@ -42,11 +53,12 @@ void runLinearAnalysis(const SimulateOptions& options) {
     question.direction = {options.force, options.base_acceleration};
     if (!options.band.empty()) question.band = parseBand(options.band, "--frf");
     if (options.kind != nullptr) question.spectrum = readLevelledSpectrum(options);
-    const LinearAnalysis analysis = analyseLinearly(readMountModel(options.model_file), question);
-    if (!options.output_file.empty()) AtomicFile::write(options.output_file, formatAnalysisCsv(analysis));
-    if (!options.report_file.empty()) writeAnalysisReport(analysis, options.report_file);
-    if (writeJsonText(makeAnalysisJson(analysis), options.json_file)) return;
-    if (!options.quiet) std::cout << formatAnalysis(analysis, styleOf(STDOUT_FILENO));
+    const MountModel model = readMountModel(options.model_file);
+    OutputFiles outputs = beginOutputs(options, model);
+    const LinearAnalysis analysis = analyseLinearly(model, question);
+    if (!options.output_file.empty()) outputs.add(options.output_file, formatAnalysisCsv(analysis));
+    if (!options.report_file.empty()) writeAnalysisReport(analysis, options.report_file, outputs);
+    finishOutputs(options, makeAnalysisJson(analysis), formatAnalysis(analysis, styleOf(STDOUT_FILENO)), outputs);
 }
 
 }  // namespace wems::plugin

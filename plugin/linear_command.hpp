@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "models/atomic_file.hpp"
+#include "models/mount_model.hpp"
 #include "plugin/simulate_options.hpp"
 
 namespace wems::plugin {
@@ -16,8 +18,12 @@ void runLinearAnalysis(const SimulateOptions& options);
 /// `5:50` as two frequencies, ascending. @throws InputError naming `option`
 std::pair<double, double> parseBand(const std::string& text, const std::string& option);
 
-/// Writes to a file, or to standard output for `-`; nothing for an empty name. @return whether it went to standard
-/// output
-bool writeJsonText(const nlohmann::json& result, const std::string& file);
+/// The files of a command without a run, checked against the model's before anything is computed.
+/// @throws InputError if one of them is read
+OutputFiles beginOutputs(const SimulateOptions& options, const MountModel& model);
+
+/// Writes JSON, or `text` to standard output unless --quiet or --json - took it; then all files appear, or none.
+void finishOutputs(const SimulateOptions& options, const nlohmann::json& result, const std::string& text,
+                   OutputFiles& outputs);
 
 }  // namespace wems::plugin

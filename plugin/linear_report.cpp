@@ -85,7 +85,7 @@ std::vector<Plot> plotOutputs(const LinearAnalysis& analysis, const std::vector<
 
 }  // namespace
 
-void writeAnalysisReport(const LinearAnalysis& analysis, const std::string& file) {
+void writeAnalysisReport(const LinearAnalysis& analysis, const std::string& file, OutputFiles& outputs) {
     HtmlReport page("Linear model of " + analysis.model.name);
     const DampedMode* first = nullptr;
     for (const DampedMode& mode : analysis.modes)
@@ -146,7 +146,7 @@ void writeAnalysisReport(const LinearAnalysis& analysis, const std::string& file
                                             }))
             page.addPlot(plot);
     }
-    page.write(file);
+    page.write(file, outputs);
 }
 
 }  // namespace wems::plugin

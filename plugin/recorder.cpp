@@ -67,26 +67,26 @@ std::vector<SensorChannel> makeSensorChannels(const MountModel& model, const Cha
     return channels;
 }
 
-Recorder::Recorder(const Device& device, std::vector<SensorChannel> channels, std::vector<double> times)
-    : device_(device), channels_(std::move(channels)), values_(channels_.size()) {
-    std::set<double> distinct{0.0};  // the true motion itself is watched at every row
-    for (const SensorChannel& channel : channels_) distinct.insert(channel.delay);
-    const std::vector<double> delays(distinct.begin(), distinct.end());
+Recorder::Recorder(const Device& device, std::vector<SensorChannel> channels, SampleTimes times, RowTaker take)
+    : device_(device),
+      channels_(std::move(channels)),
+      times_(std::move(times)),
+      take_(std::move(take)),
+      values_(channels_.size()) {
+    std::set<double> delays{0.0};  // the true motion itself is watched at every row
+    for (const SensorChannel& channel : channels_) delays.insert(channel.delay);
+    for (const double delay : delays) {
+        if (delay == 0) undelayed_ = cursors_.size();
+        cursors_.push_back({delay});
+    }
     for (const SensorChannel& channel : channels_) {
         delay_of_channel_.push_back(
-            static_cast<std::size_t>(std::find(delays.begin(), delays.end(), channel.delay) - delays.begin()));
+            static_cast<std::size_t>(std::distance(delays.begin(), delays.find(channel.delay))));
         connection_of_channel_.push_back(
             channel.name.connection.empty()
                 ? 0
                 : static_cast<std::size_t>(device.model().connectionIndex(channel.name.connection)));
     }
-    for (std::size_t d = 0; d < delays.size(); ++d)
-        for (std::size_t row = 0; row < times.size(); ++row)
-            events_.push_back({std::max(0.0, times[row] - delays[d]), row, d});
-    std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.time < b.time; });
-    for (auto& column : values_) column.assign(times.size(), 0.0);
-
-    undelayed_ = static_cast<std::size_t>(std::find(delays.begin(), delays.end(), 0.0) - delays.begin());
 
     for (int i = 0; i < static_cast<int>(device.model().connections.size()); ++i) {
         for (int axis = 0; axis < 3; ++axis) {
@@ -105,36 +105,68 @@ Recorder::Recorder(const Device& device, std::vector<SensorChannel> channels, st
 }
 
 double Recorder::endTime() const {
-    return events_.empty() ? 0 : events_.back().time;
+    return times_.empty() ? 0 : std::max(0.0, times_.back() - cursors_.front().delay);
 }
 
 SimTK::ScheduledEventReporter* Recorder::makeReporter() {
     return new RecorderReporter(*this);
 }
 
+double Recorder::findTime(const Cursor& cursor) const {
+    return cursor.row == times_.size() ? SimTK::Infinity : std::max(0.0, times_[cursor.row] - cursor.delay);
+}
+
+const Recorder::Cursor& Recorder::findNext() const {
+    return *std::min_element(cursors_.begin(), cursors_.end(),
+                             [this](const Cursor& a, const Cursor& b) { return findTime(a) < findTime(b); });
+}
+
 double Recorder::findNextTime(double time, bool include_current) const {
-    const auto next = include_current ? std::lower_bound(events_.begin(), events_.end(), time,
-                                                         [](const Event& event, double t) { return event.time < t; })
-                                      : std::upper_bound(events_.begin(), events_.end(), time,
-                                                         [](double t, const Event& event) { return t < event.time; });
-    return next == events_.end() ? SimTK::Infinity : next->time;
+    double next = SimTK::Infinity;
+    for (Cursor cursor : cursors_) {
+        // Rows before the start of a delayed sensor share one time; a few rows further there is another.
+        while (cursor.row < times_.size() && (include_current ? findTime(cursor) < time : findTime(cursor) <= time))
+            ++cursor.row;
+        next = std::min(next, findTime(cursor));
+    }
+    return next;
 }
 
 void Recorder::takeSample(const SimTK::State& state) {
     const double time = state.getTime();
-    if (complete() || events_[next_].time > time) return;
+    if (findTime(findNext()) > time) return;
     const DeviceMotion motion = device_.calcMotion(state);
-    for (; !complete() && events_[next_].time <= time; ++next_) {
-        const Event& event = events_[next_];
-        for (std::size_t i = 0; i < channels_.size(); ++i) {
-            if (delay_of_channel_[i] != event.delay) continue;
-            const SensorChannel& channel = channels_[i];
-            const Eigen::Vector3d& vector = pickVector(motion, channel.name, connection_of_channel_[i]);
-            values_[i][event.row] = channel.gain * channel.rotation.row(channel.name.axis).dot(vector);
+    for (std::size_t d = 0; d < cursors_.size(); ++d) {
+        Cursor& cursor = cursors_[d];
+        for (; findTime(cursor) <= time; ++cursor.row) {
+            for (std::size_t i = 0; i < channels_.size(); ++i) {
+                if (delay_of_channel_[i] != d) continue;
+                const SensorChannel& channel = channels_[i];
+                const Eigen::Vector3d& vector = pickVector(motion, channel.name, connection_of_channel_[i]);
+                values_[i].push_back(channel.gain * channel.rotation.row(channel.name.axis).dot(vector));
+            }
+            if (d == undelayed_) watchStops(motion, time);
         }
-        if (event.delay == undelayed_) watchStops(motion, time);
     }
+    const auto last = std::min_element(cursors_.begin(), cursors_.end(),
+                                       [](const Cursor& a, const Cursor& b) { return a.row < b.row; });
+    const std::size_t ready = last->row - taken_;
+    if (ready >= block_rows || last->row == times_.size()) handOn(ready);
     if (progress_) progress_(time);
+}
+
+void Recorder::handOn(std::size_t rows) {
+    if (rows == 0) return;
+    std::vector<double> times(rows);
+    for (std::size_t k = 0; k < rows; ++k) times[k] = times_[taken_ + k];
+    std::vector<std::vector<double>> values;
+    for (std::vector<double>& column : values_) {
+        const auto end = column.begin() + static_cast<std::ptrdiff_t>(rows);
+        values.emplace_back(column.begin(), end);
+        column.erase(column.begin(), end);
+    }
+    taken_ += rows;
+    take_(std::move(times), std::move(values));
 }
 
 void Recorder::watchStops(const DeviceMotion& motion, double time) {

@@ -10,6 +10,7 @@
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
 #include "plugin/device.hpp"
+#include "plugin/sample_times.hpp"
 
 namespace wems::plugin {
 
@@ -49,11 +50,16 @@ struct LargestDisplacement {
     double time = 0;   ///< s
 };
 
-/// What a run leaves: filled by the reporter that makeReporter() returns.
+/// What a run leaves: filled by the reporter that makeReporter() returns. Rows that are complete are handed on in
+/// blocks, so that memory does not grow with the run.
 class Recorder {
 public:
+    using RowTaker = std::function<void(std::vector<double> times, std::vector<std::vector<double>> values)>;
+    static constexpr std::size_t block_rows = 4096;
+
     /// @param times s, increasing, from 0: the rows of the recording
-    Recorder(const Device& device, std::vector<SensorChannel> channels, std::vector<double> times);
+    /// @param take receives blocks of complete rows in their order: times, and for each channel its values
+    Recorder(const Device& device, std::vector<SensorChannel> channels, SampleTimes times, RowTaker take);
 
     /// The simulation must reach this time, s: the last row, later if a sensor leads.
     double endTime() const;
@@ -71,27 +77,33 @@ public:
     double findNextTime(double time, bool include_current) const;
 
     /// True once every row is filled.
-    bool complete() const { return next_ == events_.size(); }
+    bool complete() const { return taken_ == times_.size(); }
 
     const std::vector<SensorChannel>& channels() const { return channels_; }
-    const std::vector<std::vector<double>>& values() const { return values_; }    ///< one vector for each channel
     const std::vector<StopContact>& contacts() const { return contacts_; }        ///< one for each stop of the model
     const std::vector<LargestDisplacement>& largest() const { return largest_; }  ///< one for each connection and axis
 
 private:
-    struct Event {
-        double time;
-        std::size_t row, delay;
+    /// Where the sensors of one delay stand.
+    struct Cursor {
+        double delay;         // s
+        std::size_t row = 0;  // the next one
     };
+    /// When a cursor's next row is sampled; infinite at the end.
+    double findTime(const Cursor& cursor) const;
+    const Cursor& findNext() const;
+    void handOn(std::size_t rows);
     void watchStops(const DeviceMotion& motion, double time);
 
     const Device& device_;
     std::vector<SensorChannel> channels_;
     std::vector<std::size_t> delay_of_channel_, connection_of_channel_;
-    std::size_t undelayed_ = 0;
-    std::vector<Event> events_;
-    std::size_t next_ = 0;
-    std::vector<std::vector<double>> values_;
+    SampleTimes times_;
+    RowTaker take_;
+    std::vector<Cursor> cursors_;              // by delay
+    std::size_t undelayed_ = 0;                // the cursor without delay
+    std::size_t taken_ = 0;                    // rows that were handed on
+    std::vector<std::vector<double>> values_;  // of the rows from taken_ on
     std::vector<StopContact> contacts_;
     std::vector<LargestDisplacement> largest_;
     std::function<void(double)> progress_;

@@ -2,10 +2,8 @@
 
 #include <unistd.h>
 
-#include <iostream>
 #include <tuple>
 
-#include "models/atomic_file.hpp"
 #include "models/format_number.hpp"
 #include "models/progress.hpp"
 #include "plugin/linear_command.hpp"
@@ -57,6 +55,7 @@ std::vector<std::string> nameAxes(const MountModel& model) {
 void runResponseCurves(const SimulateOptions& options) {
     const MountModel model = readMountModel(options.model_file);
     validate(model);
+    OutputFiles outputs = beginOutputs(options, model);
     ResponseSettings settings;
     std::tie(settings.from, settings.to) = parseBand(options.response, "--response");
     settings.harmonics = options.harmonics;
@@ -77,10 +76,10 @@ void runResponseCurves(const SimulateOptions& options) {
                 {name, calcResponseCurve(model, {force ? level.value : none, force ? none : level.value}, settings)});
         }
     }
-    if (!options.output_file.empty()) AtomicFile::write(options.output_file, formatResponseCsv(model, levels));
-    if (!options.report_file.empty()) writeResponseReport(model, levels, options.report_file);
-    if (writeJsonText(makeResponseJson(model, levels), options.json_file)) return;
-    if (!options.quiet) std::cout << formatResponses(model, levels, styleOf(STDOUT_FILENO));
+    if (!options.output_file.empty()) outputs.add(options.output_file, formatResponseCsv(model, levels));
+    if (!options.report_file.empty()) writeResponseReport(model, levels, options.report_file, outputs);
+    finishOutputs(options, makeResponseJson(model, levels), formatResponses(model, levels, styleOf(STDOUT_FILENO)),
+                  outputs);
 }
 
 }  // namespace wems::plugin

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "models/atomic_file.hpp"
 #include "models/periodic/response_curve.hpp"
 #include "models/terminal.hpp"
 #include "plugin/simulate_options.hpp"
@@ -28,7 +29,8 @@ nlohmann::json makeResponseJson(const MountModel& model, const std::vector<Level
 /// A row for each point of each curve.
 std::string formatResponseCsv(const MountModel& model, const std::vector<LevelResponse>& levels);
 /// All levels over each other, unstable parts and contact marked. @throws InputError: cannot be written.
-void writeResponseReport(const MountModel& model, const std::vector<LevelResponse>& levels, const std::string& file);
+void writeResponseReport(const MountModel& model, const std::vector<LevelResponse>& levels, const std::string& file,
+                         OutputFiles& outputs);
 
 /// Names of all stops in the order of a point's penetrations, and of all connections and axes in that of its
 /// amplitudes.

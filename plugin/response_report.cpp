@@ -42,7 +42,8 @@ Series trace(const std::string& name, const ResponseCurve& curve, Eigen::Index a
 
 }  // namespace
 
-void writeResponseReport(const MountModel& model, const std::vector<LevelResponse>& levels, const std::string& file) {
+void writeResponseReport(const MountModel& model, const std::vector<LevelResponse>& levels, const std::string& file,
+                         OutputFiles& outputs) {
     const std::vector<std::string> axes = nameAxes(model), stops = nameStops(model);
     HtmlReport page("Periodic response of " + model.name);
     Table table({"level", "folds [Hz]", "unstable points", "stops touched", "points", "time [s]"});
@@ -108,7 +109,7 @@ void writeResponseReport(const MountModel& model, const std::vector<LevelRespons
         page.addPlot(branches);
         if (!contact.series.empty()) page.addPlot(contact);
     }
-    page.write(file);
+    page.write(file, outputs);
 }
 
 }  // namespace wems::plugin

@@ -1,6 +1,5 @@
 #include "plugin/sensor_noise.hpp"
 
-#include <random>
 #include <string>
 
 namespace wems::plugin {
@@ -12,15 +11,25 @@ double getNoiseLevel(const SensorNoise& noise, const ChannelName& name) {
     return name.derivative == Derivative::acceleration ? noise.acceleration : noise.displacement;
 }
 
-void addNoise(const SensorNoise& noise, std::uint64_t seed, const ChannelName& name, std::vector<double>& values) {
-    const double level = getNoiseLevel(noise, name);
-    if (!(level > 0)) return;
+namespace {
+
+std::mt19937_64 makeGenerator(std::uint64_t seed, const ChannelName& name) {
     std::vector<std::uint32_t> material{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U)};
     for (const char letter : formatChannelName(name)) material.push_back(static_cast<unsigned char>(letter));
     std::seed_seq sequence(material.begin(), material.end());
-    std::mt19937_64 generator(sequence);
-    std::normal_distribution<double> normal(0, level);
-    for (double& value : values) value += normal(generator);
+    return std::mt19937_64(sequence);
+}
+
+}  // namespace
+
+ChannelNoise::ChannelNoise(const SensorNoise& noise, std::uint64_t seed, const ChannelName& name)
+    : present_(getNoiseLevel(noise, name) > 0),
+      generator_(makeGenerator(seed, name)),
+      normal_(0, present_ ? getNoiseLevel(noise, name) : 1) {}
+
+void ChannelNoise::add(std::vector<double>& values) {
+    if (!present_) return;
+    for (double& value : values) value += normal_(generator_);
 }
 
 }  // namespace wems::plugin

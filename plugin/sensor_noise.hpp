@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <random>
 #include <vector>
 
 #include "models/recording/recording.hpp"
@@ -21,8 +22,18 @@ struct SensorNoise {
 /// RMS of the noise on a channel of this name.
 double getNoiseLevel(const SensorNoise& noise, const ChannelName& name);
 
-/// Adds noise to `values`. The sequence depends on the seed and the channel's name alone, so that a channel's noise
-/// is the same whatever else is recorded.
-void addNoise(const SensorNoise& noise, std::uint64_t seed, const ChannelName& name, std::vector<double>& values);
+/// The noise of one channel, block after block. The sequence depends on the seed and the channel's name alone, so that
+/// a channel's noise is the same whatever else is recorded.
+class ChannelNoise {
+public:
+    ChannelNoise(const SensorNoise& noise, std::uint64_t seed, const ChannelName& name);
+    /// Adds it to the next values.
+    void add(std::vector<double>& values);
+
+private:
+    bool present_;
+    std::mt19937_64 generator_;
+    std::normal_distribution<double> normal_;
+};
 
 }  // namespace wems::plugin

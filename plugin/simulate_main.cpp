@@ -1,19 +1,28 @@
 // The executable `simulate`: a mount model under a load or base motion, recorded as CSV or for OpenSim.
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "models/atomic_file.hpp"
+#include "models/command_line/standard_streams.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/progress.hpp"
 #include "models/recording/recording_writer.hpp"
 #include "models/terminal.hpp"
+#include "plugin/base_motion.hpp"
 #include "plugin/linear_command.hpp"
 #include "plugin/response_command.hpp"
+#include "plugin/run_estimate.hpp"
+#include "plugin/run_overview.hpp"
 #include "plugin/simulate_options.hpp"
 #include "plugin/simulation.hpp"
 #include "plugin/summary.hpp"
@@ -48,32 +57,113 @@ bool participatesInBaseMotion(const MountModel& model) {
     return model.bracket.empty();
 }
 
-/// A replay has the samples that it has.
-void noteSampleRate(const SimulateOptions& options, const Excitation& excitation) {
-    if (!options.replay_file.empty() || excitation.times.size() < 2) return;
+/// Empty if the rate shows the excitation. A replay has the samples that it has.
+std::string noteSampleRate(const SimulateOptions& options, const Excitation& excitation) {
+    if (!options.replay_file.empty() || excitation.times.size() < 2) return {};
     const double rate = 1 / (excitation.times[1] - excitation.times[0]);
     const double highest = excitation.drive->highestFrequency();
-    if (rate < 2 * highest)
-        std::cerr << "simulate: note: " << formatNumber(rate, 6)
-                  << " Hz are less than two samples in a period of the excitation, which reaches "
-                  << formatNumber(highest, 4) << " Hz: the recording shows other frequencies; --sample-rate "
-                  << formatNumber(5 * highest, 4) << " would show it\n";
+    if (rate >= 2 * highest) return {};
+    return formatNumber(rate, 6) + " Hz are less than two samples in a period of the excitation, which reaches " +
+           formatNumber(highest, 4) + " Hz: the recording shows other frequencies; --sample-rate " +
+           formatNumber(5 * highest, 4) + " would show it";
+}
+
+/// Where a run stands against the clock, and what keeps it from being faster.
+class RunClock {
+public:
+    RunClock(const MountModel& model, double duration, std::optional<double> limit)
+        : law_(findFastestLaw(model)), duration_(duration), limit_(limit) {}
+
+    /// Why the run must end at the time `t` that it has reached, s; empty if it may go on. Says once that it is long.
+    std::string check(double t, bool quiet) {
+        const double spent = std::chrono::duration<double>(Clock::now() - start_).count();
+        reached_ = std::max(reached_, t);
+        const double whole = reached_ > 0 ? spent * duration_ / reached_ : INFINITY;
+        const bool stiff = whole > slow * duration_;
+        if (spent > settled && whole > limit_.value_or(stiff ? minute : hour))
+            return describe(spent, whole) + " (accepted: a shorter run, a slower law, or --time-limit)";
+        if (spent > settled && whole > minute && !said_ && !quiet) {
+            said_ = true;
+            std::cerr << "simulate: note: " << describe(spent, whole) << "\n";
+        }
+        return {};
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    static constexpr double settled = 5, minute = 60, hour = 3600;  // s
+    static constexpr double slow = 10;  // s for a second of motion; ordinary devices take less than 0.1
+
+    std::string describe(double spent, double whole) const {
+        std::string text = "t = " + formatNumber(reached_, 3) + " s of " + formatNumber(duration_, 6) + " s after " +
+                           formatNumber(spent, 2) + " s, so that the whole run would take ";
+        text += std::isfinite(whole) ? "about " + formatNumber(whole, 3) + " s" : "forever";
+        constexpr double fast = 1e4;  // 1/s; slower ones do not limit steps of a millisecond
+        if (law_.rate > fast)
+            text += "; the fastest law is " + law_.name + " = " + formatNumber(law_.value, 4) + ", with a rate of " +
+                    formatNumber(law_.rate, 3) + " 1/s, which allows steps of " + formatNumber(3 / law_.rate, 2) + " s";
+        return text;
+    }
+
+    FastestLaw law_;
+    double duration_, reached_ = 0;
+    std::optional<double> limit_;
+    bool said_ = false;
+    Clock::time_point start_ = Clock::now();
+};
+
+std::vector<std::string> listNotes(const SimulateOptions& options, const MountModel& model,
+                                   const Excitation& excitation, const RunEstimate& estimate) {
+    std::vector<std::string> notes;
+    if (excitation.drive->hasBase() && !participatesInBaseMotion(model))
+        notes.emplace_back(
+            "the modes file has no base.ux, base.uy, base.uz columns: the base motion shakes "
+            "the mobile part, not the bracket's own mass");
+    if (std::string note = noteSampleRate(options, excitation); !note.empty()) notes.push_back(std::move(note));
+    constexpr double large_file = 1e9;  // bytes
+    constexpr double many_steps = 1e7;  // some minutes
+    if (!options.quiet && (estimate.file_bytes > large_file || estimate.steps > many_steps))
+        notes.push_back(describe(estimate));
+    return notes;
+}
+
+Recording makeHeader(const SimulateOptions& options, const MountModel& model, const Excitation& excitation,
+                     const std::vector<SensorChannel>& channels) {
+    Recording header = makeRecordingHeader(channels);
+    header.metadata = {{"program", "wems simulate " WEMS_VERSION},
+                       {"simbody", simbodyVersion()},
+                       {"model", model.name + " (" + options.model_file + ")"},
+                       {"excitation", excitation.description},
+                       {"level", excitation.level},
+                       {"noise", describeNoise(options.noise)},
+                       {"seed", std::to_string(options.seed)},
+                       {"accuracy", formatNumber(options.accuracy)}};
+    return header;
+}
+
+std::unique_ptr<RecordingWriter> openOutput(const SimulateOptions& options, const MountModel& model,
+                                            const Recording& header, const SampleTimes& times) {
+    if (options.output_file.empty()) return nullptr;
+    WriteOptions write;
+    for (const Connection& connection : model.connections) write.rest[connection.name] = connection.position;
+    const double interval = times.size() > 1 ? times.back() / static_cast<double>(times.size() - 1) : 0;
+    return openRecordingWriter(header, {times.size(), interval}, options.output_file, write);
 }
 
 void run(const SimulateOptions& options) {
     if (!options.response.empty()) return runResponseCurves(options);
     if (options.isLinear()) return runLinearAnalysis(options);
     const MountModel model = readMountModel(options.model_file);
+    const bool data_on_output = options.json_file == "-";
+    OutputFiles outputs;
+    checkOutputs({options.output_file, data_on_output ? "" : options.json_file, options.report_file},
+                 {model.bracket_path});
     const Excitation excitation = makeExcitation(options);
-    if (excitation.drive->hasBase() && !participatesInBaseMotion(model))
-        std::cerr << "simulate: note: the modes file has no base.ux, base.uy, base.uz columns: the base motion shakes "
-                     "the mobile part, not the bracket's own mass\n";
+    const SampleTimes& times = excitation.times;
+    if (times.empty()) throw InputError({}, "the run has no sample", "a duration above the sample interval");
 
-    noteSampleRate(options, excitation);
-
-    Progress progress(!options.quiet);
     SimulationSettings settings;
-    settings.times = excitation.times;
+    settings.times = times;
     settings.channels = options.channels;
     settings.noise = options.noise;
     settings.seed = options.seed;
@@ -83,53 +173,67 @@ void run(const SimulateOptions& options) {
     if (options.replay_file.empty())
         settings.longest_step =
             std::fmin(settings.longest_step, 1 / (steps_per_period * excitation.drive->highestFrequency()));
-    settings.progress = [&](double t) {
-        if (!progress.due()) return;
-        char what[80];
-        std::snprintf(what, sizeof what, "t = %.1f s of %.1f s, %.1f Hz", t, settings.times.back(),
-                      excitation.drive->calcFrequency(t));
-        progress.show(t / settings.times.back(), what);
-    };
-    SimulationResult result = simulate(model, excitation.drive, settings);
+    const auto channels =
+        makeSensorChannels(model, options.channels, excitation.drive->hasLoad(), excitation.drive->hasBase());
+    std::optional<double> base_step;
+    if (excitation.drive->hasBase()) base_step = BaseMotion::findLongestStep(*excitation.drive);
+    const RunEstimate estimate = estimateRun(static_cast<double>(times.size()), static_cast<double>(channels.size()),
+                                             times.back(), settings.longest_step, base_step);
+    checkMemory(estimate);
+    std::vector<std::string> notes = listNotes(options, model, excitation, estimate);
 
-    for (double& t : result.recording.time) t += excitation.time_offset;
-    result.recording.metadata = {{"program", "wems simulate " WEMS_VERSION},
-                                 {"simbody", simbodyVersion()},
-                                 {"model", model.name + " (" + options.model_file + ")"},
-                                 {"excitation", excitation.description},
-                                 {"level", excitation.level},
-                                 {"noise", describeNoise(options.noise)},
-                                 {"seed", std::to_string(options.seed)},
-                                 {"accuracy", formatNumber(options.accuracy)}};
-    const RunDescription description{model, *excitation.drive, result, excitation.time_offset};
-    if (!options.output_file.empty()) {
-        WriteOptions write;
-        for (const Connection& connection : model.connections) write.rest[connection.name] = connection.position;
-        for (const std::string& note : writeRecording(result.recording, options.output_file, write))
-            std::cerr << "simulate: note: " << note << "\n";
+    std::optional<Progress> progress(std::in_place, !options.quiet);
+    settings.progress = [&](double t) {
+        if (!progress->due()) return;
+        char what[80];
+        std::snprintf(what, sizeof what, "t = %.1f s of %.1f s, %.1f Hz", t, times.back(),
+                      excitation.drive->calcFrequency(t));
+        progress->show(t / times.back(), what);
+    };
+    RunClock clock(model, times.back(), options.time_limit);
+    settings.watch = [&](double t) { return clock.check(t, options.quiet); };
+
+    const Recording header = makeHeader(options, model, excitation, channels);
+    const auto writer = openOutput(options, model, header, times);
+    RunOverview overview(header, times.size());
+    settings.sink = [&](const Recording& rows) {
+        Recording shifted = rows;
+        for (double& t : shifted.time) t += excitation.time_offset;
+        if (writer) writer->append(shifted);
+        if (!options.report_file.empty()) overview.add(shifted);
+    };
+    const SimulationResult result = simulate(model, excitation.drive, settings);
+    progress.reset();
+
+    if (writer) {
+        outputs.add(writer->finish());
+        notes.insert(notes.end(), writer->notes().begin(), writer->notes().end());
     }
-    if (!options.report_file.empty()) writeHtmlSummary(description, options.report_file);
+    const RunDescription description{model, *excitation.drive, result, excitation.time_offset};
+    if (!options.report_file.empty()) writeHtmlSummary(description, header, overview, options.report_file, outputs);
     // Names of files need not be UTF-8.
     const std::string json =
         makeSummaryJson(description).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    if (options.json_file == "-") {
+    if (data_on_output) {
         std::cout << json;
-        return;
+    } else if (!options.json_file.empty()) {
+        outputs.add(options.json_file, json);
     }
-    if (!options.json_file.empty()) AtomicFile::write(options.json_file, json);
-    if (!options.quiet) std::cout << formatSummary(description, styleOf(STDOUT_FILENO));
+    if (!options.quiet && !data_on_output) std::cout << formatSummary(description, styleOf(STDOUT_FILENO));
+    for (const std::string& note : notes) std::cerr << "simulate: note: " << note << "\n";
+    flushStandardOutput();
+    outputs.commit();
+}
+
+int work(int argc, char** argv) {
+    int exit_status = 0;
+    const auto options = parseCommandLine(argc, argv, exit_status);
+    if (options) run(*options);
+    return exit_status;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        int exit_status = 0;
-        const auto options = parseCommandLine(argc, argv, exit_status);
-        if (options) run(*options);
-        return exit_status;
-    } catch (const std::exception& error) {
-        std::cerr << "simulate: " << error.what() << "\n";
-    }
-    return 2;
+    return runProgram("simulate", work, argc, argv);
 }

@@ -241,6 +241,9 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     app.add_option("--accuracy", options.accuracy, "integrator accuracy, m and m/s for each step (default 1e-6)");
     addOutputFile(app, "--json", options.json_file, "write the summary as JSON to FILE (- for standard output)", true);
     addOutputFile(app, "--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
+    app.add_option("--time-limit", options.time_limit,
+                   "s; a run that would take longer ends with the reason (default 3600, of a stiff model 60)")
+        ->check(isPositive());
     app.add_flag("-q,--quiet", options.quiet, "no progress, no summary");
     addCompletionOption(app);
     app.set_version_flag("--version", "wems simulate " WEMS_VERSION);

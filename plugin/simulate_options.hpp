@@ -13,6 +13,7 @@
 #include "plugin/excitation_kinds.hpp"
 #include "plugin/level_option.hpp"
 #include "plugin/recorder.hpp"
+#include "plugin/sample_times.hpp"
 #include "plugin/sensor_noise.hpp"
 
 namespace wems::plugin {
@@ -50,6 +51,7 @@ struct SimulateOptions {
     ChannelSelection channels;
     SensorNoise noise;
     std::uint64_t seed = 1;
+    std::optional<double> time_limit;  ///< s; without it an hour, a minute where a stiff law makes the run slow
     bool quiet = false;
 };
 
@@ -61,10 +63,10 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
 /// Excitation, output times and what to call it.
 struct Excitation {
     std::shared_ptr<const Drive> drive;
-    std::vector<double> times;  ///< s from the start of the run
-    double time_offset = 0;     ///< s, added in the output: a replay keeps the recording's time stamps
-    std::string description;    ///< `sweep 5 to 50 Hz, 4 octaves per minute`
-    std::string level;          ///< `force x=0 y=0 z=200 N`
+    SampleTimes times;        ///< s from the start of the run
+    double time_offset = 0;   ///< s, added in the output: a replay keeps the recording's time stamps
+    std::string description;  ///< `sweep 5 to 50 Hz, 4 octaves per minute`
+    std::string level;        ///< `force x=0 y=0 z=200 N`
 };
 /// @throws InputError on values out of range or a recording that cannot be replayed.
 Excitation makeExcitation(const SimulateOptions& options);

@@ -37,33 +37,71 @@ std::string describeFailure(const Device& device, const SimTK::State& state, con
     return text + (device.force().failure().empty() ? simbody_message : device.force().failure());
 }
 
-Recording makeRecording(const Recorder& recorder, const SimulationSettings& settings) {
+/// Adds noise to blocks of rows and hands them on, or keeps them.
+class RowSink {
+public:
+    RowSink(const std::vector<SensorChannel>& channels, const SimulationSettings& settings)
+        : settings_(settings), kept_(makeRecordingHeader(channels)) {
+        for (const SensorChannel& channel : channels) noise_.emplace_back(settings.noise, settings.seed, channel.name);
+    }
+
+    void take(std::vector<double> times, std::vector<std::vector<double>> values) {
+        samples_ += times.size();
+        for (std::size_t i = 0; i < values.size(); ++i) noise_[i].add(values[i]);
+        if (settings_.sink) {
+            Recording rows = kept_;
+            rows.time = std::move(times);
+            for (std::size_t i = 0; i < values.size(); ++i) rows.channels[i].values = std::move(values[i]);
+            settings_.sink(rows);
+            return;
+        }
+        kept_.time.insert(kept_.time.end(), times.begin(), times.end());
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            std::vector<double>& kept = kept_.channels[i].values;
+            kept.insert(kept.end(), values[i].begin(), values[i].end());
+        }
+    }
+
+    std::size_t samples() const { return samples_; }
+    Recording release() { return std::move(kept_); }
+
+private:
+    const SimulationSettings& settings_;
+    Recording kept_;
+    std::vector<ChannelNoise> noise_;
+    std::size_t samples_ = 0;
+};
+
+}  // namespace
+
+Recording makeRecordingHeader(const std::vector<SensorChannel>& channels) {
     Recording recording;
-    recording.time = settings.times;
-    for (std::size_t i = 0; i < recorder.channels().size(); ++i) {
-        const ChannelName& name = recorder.channels()[i].name;
+    for (const SensorChannel& sensor : channels) {
+        const ChannelName& name = sensor.name;
         Channel channel;
         channel.name = formatChannelName(name);
         channel.unit = name.part == Part::load                       ? "N"
                        : name.derivative == Derivative::displacement ? "m"
                        : name.derivative == Derivative::velocity     ? "m/s"
                                                                      : "m/s^2";
-        channel.values = recorder.values()[i];
-        channel.column = static_cast<int>(i) + 2;
-        addNoise(settings.noise, settings.seed, name, channel.values);
+        channel.column = static_cast<int>(recording.channels.size()) + 2;
         recording.channels.push_back(std::move(channel));
     }
     return recording;
 }
-
-}  // namespace
 
 SimulationResult simulate(const MountModel& model, std::shared_ptr<const Drive> drive,
                           const SimulationSettings& settings) {
     checkSettings(model, *drive, settings);
     const bool has_load = drive->hasLoad(), has_base = drive->hasBase();
     Device device(model, std::move(drive), settings.times.back());
-    Recorder recorder(device, makeSensorChannels(model, settings.channels, has_load, has_base), settings.times);
+    std::string stopped;
+    if (settings.watch) device.force().setWatch([&](double t) { return stopped = settings.watch(t); });
+    const std::vector<SensorChannel> channels = makeSensorChannels(model, settings.channels, has_load, has_base);
+    RowSink sink(channels, settings);
+    Recorder recorder(device, channels, settings.times, [&sink](std::vector<double> times, auto values) {
+        sink.take(std::move(times), std::move(values));
+    });
     recorder.setProgress(settings.progress);
     device.updSystem().addEventReporter(recorder.makeReporter());
     const SimTK::State start = device.makeRestState();
@@ -77,13 +115,15 @@ SimulationResult simulate(const MountModel& model, std::shared_ptr<const Drive> 
     try {
         stepper.stepTo(recorder.endTime());
     } catch (const SimTK::Exception::Base& error) {
-        throw std::runtime_error(describeFailure(device, integrator.getState(), error.getMessageText()));
+        if (!stopped.empty()) throw InputError({}, stopped);
+        throw InputError({}, describeFailure(device, integrator.getState(), error.getMessageText()));
     }
     if (!recorder.complete()) recorder.takeSample(integrator.getState());
     if (!recorder.complete()) throw std::logic_error("the simulation ended before its last sample");
 
     SimulationResult result;
-    result.recording = makeRecording(recorder, settings);
+    result.recording = sink.release();
+    result.samples = sink.samples();
     result.contacts = recorder.contacts();
     result.largest = recorder.largest();
     result.cost.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();

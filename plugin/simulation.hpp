@@ -4,18 +4,20 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
 #include "plugin/drive.hpp"
 #include "plugin/recorder.hpp"
+#include "plugin/sample_times.hpp"
 #include "plugin/sensor_noise.hpp"
 
 namespace wems::plugin {
 
 struct SimulationSettings {
-    std::vector<double> times;  ///< s, increasing, from 0 on: the rows of the recording
+    SampleTimes times;  ///< s, increasing, from 0 on: the rows of the recording
     ChannelSelection channels;
     SensorNoise noise;
     std::uint64_t seed = 1;
@@ -24,6 +26,11 @@ struct SimulationSettings {
     /// s. Reports are cubic interpolations between steps, in error by (ω h)⁴/384.
     double longest_step = 1e-3;
     std::function<void(double)> progress;  ///< called with the time of each sample, s
+    /// Called now and then with the time that the integrator has reached, s. What it returns, unless empty, ends the
+    /// run as the reason of an InputError.
+    std::function<std::string(double)> watch;
+    /// Receives the recording in blocks while the run goes on; absent: it is kept in the result.
+    std::function<void(const Recording& rows)> sink;
 };
 
 /// What it cost.
@@ -35,15 +42,19 @@ struct SimulationCost {
 };
 
 struct SimulationResult {
-    Recording recording;  ///< SI; without file and metadata
+    Recording recording;      ///< SI; without file and metadata, and without samples if a sink took them
+    std::size_t samples = 0;  ///< that were recorded
     std::vector<StopContact> contacts;
     std::vector<LargestDisplacement> largest;
     SimulationCost cost;
 };
 
+/// Names and units of the channels that such a run records.
+Recording makeRecordingHeader(const std::vector<SensorChannel>& channels);
+
 /// Simulates `model` under `drive` from its static equilibrium.
-/// @throws InputError if the model or the settings cannot be used; std::runtime_error with the time and the reason if
-/// the integration breaks off.
+/// @throws InputError if the model or the settings cannot be used, with the time and the reason if the integration
+/// breaks off.
 SimulationResult simulate(const MountModel& model, std::shared_ptr<const Drive> drive,
                           const SimulationSettings& settings);
 

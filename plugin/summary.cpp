@@ -97,7 +97,7 @@ nlohmann::json makeSummaryJson(const RunDescription& run) {
                                  {"frequency", finiteOrNull(run.drive.calcFrequency(largest.time))}});
     return {{"stops", stops},
             {"relative_displacements", displacements},
-            {"samples", run.result.recording.sampleCount()},
+            {"samples", run.result.samples},
             {"cost",
              {{"wall_time", run.result.cost.wall_time},
               {"steps", run.result.cost.steps},
@@ -105,11 +105,11 @@ nlohmann::json makeSummaryJson(const RunDescription& run) {
               {"realizations", run.result.cost.realizations}}}};
 }
 
-void writeHtmlSummary(const RunDescription& run, const std::string& file) {
+void writeHtmlSummary(const RunDescription& run, const Recording& header, const RunOverview& overview,
+                      const std::string& file, OutputFiles& outputs) {
     HtmlReport report("Simulation of " + run.model.name);
-    const Recording& recording = run.result.recording;
     std::vector<std::string> settings;
-    for (const auto& [key, value] : recording.metadata) settings.push_back(key + ": " + value);
+    for (const auto& [key, value] : header.metadata) settings.push_back(key + ": " + value);
     report.addList(settings);
     const Table stops = makeStopTable(run), displacements = makeDisplacementTable(run);
     report.addHeading("Stops");
@@ -121,10 +121,9 @@ void writeHtmlSummary(const RunDescription& run, const std::string& file) {
     report.addHeading("Largest relative displacements");
     report.addTable(displacements.header(), displacements.rows());
 
-    std::vector<double> sweep;
-    for (const double t : recording.time) sweep.push_back(run.drive.calcFrequency(t - run.time_offset));
     // Against frequency where it sweeps, against time otherwise.
-    const bool swept = std::isfinite(sweep.front()) && sweep.front() != sweep.back();
+    const double start = run.drive.calcFrequency(0), end = run.drive.calcFrequency(run.drive.duration());
+    const bool swept = std::isfinite(start) && start != end;
     for (const Part part : {Part::mobile, Part::fixed}) {
         for (const Derivative derivative : {Derivative::displacement, Derivative::acceleration}) {
             for (int axis = 0; axis < 3; ++axis) {
@@ -135,19 +134,21 @@ void writeHtmlSummary(const RunDescription& run, const std::string& file) {
                 plot.x_label = swept ? "swept frequency [Hz]" : "time [s]";
                 plot.y_label = displacement ? "displacement [mm]" : "acceleration [m/s^2]";
                 for (const Connection& connection : run.model.connections) {
-                    const Channel* channel =
-                        recording.find(formatChannelName({part, connection.name, axis, derivative}));
+                    const ThinnedChannel* channel =
+                        overview.find(formatChannelName({part, connection.name, axis, derivative}));
                     if (channel == nullptr) continue;
-                    std::vector<double> values = channel->values;
-                    for (double& value : values) value *= displacement ? 1e3 : 1;
-                    plot.series.push_back({connection.name, swept ? sweep : recording.time, std::move(values)});
+                    Series series{connection.name, channel->time, channel->values};
+                    for (double& value : series.y) value *= displacement ? 1e3 : 1;
+                    if (swept)
+                        for (double& x : series.x) x = run.drive.calcFrequency(x - run.time_offset);
+                    plot.series.push_back(std::move(series));
                 }
                 if (!plot.series.empty()) report.addPlot(plot);
             }
         }
     }
     report.addText(describeCost(run.result.cost));
-    report.write(file);
+    report.write(file, outputs);
 }
 
 }  // namespace wems::plugin

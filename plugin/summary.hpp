@@ -8,6 +8,7 @@
 #include "models/mount_model.hpp"
 #include "models/terminal.hpp"
 #include "plugin/drive.hpp"
+#include "plugin/run_overview.hpp"
 #include "plugin/simulation.hpp"
 
 namespace wems::plugin {
@@ -17,7 +18,7 @@ struct RunDescription {
     const MountModel& model;
     const Drive& drive;
     const SimulationResult& result;
-    double time_offset;  ///< s, added to all times
+    double time_offset;  ///< s, added to all times of the result
 };
 
 /// Stops that were reached (from and to which frequency and time, deepest penetration), the largest relative
@@ -25,7 +26,10 @@ struct RunDescription {
 std::string formatSummary(const RunDescription& run, TextStyle style);
 nlohmann::json makeSummaryJson(const RunDescription& run);
 
-/// The summary with plots of the relative displacements and accelerations. @throws InputError: cannot be written.
-void writeHtmlSummary(const RunDescription& run, const std::string& file);
+/// The summary with plots of displacements and accelerations.
+/// @param overview of the recording, whose metadata it shows, times as in the recording
+/// @throws InputError: cannot be written.
+void writeHtmlSummary(const RunDescription& run, const Recording& header, const RunOverview& overview,
+                      const std::string& file, OutputFiles& outputs);
 
 }  // namespace wems::plugin

@@ -47,7 +47,17 @@ void addPlot(HtmlReport& page, const std::string& title, const TipSpring& spring
                   true});
 }
 
+void writeReport(const BeamTip& tip, const Table& table, const std::string& recording, const std::string& file,
+                 OutputFiles& outputs) {
+    HtmlReport page("Spring at the tip of the beam: " + recording);
+    page.addTable(table.header(), table.rows());
+    addPlot(page, "Complete equation of the tip", tip.complete, 0);
+    addPlot(page, "Truncated equation of the tip", tip.truncated, tip.truncated.stiffness);
+    page.write(file, outputs);
+}
+
 void runBeamTip(const BeamTipOptions& options) {
+    OutputFiles outputs;
     const std::optional<ColumnMap> map =
         options.common.column_map.empty() ? std::nullopt : std::optional(readColumnMap(options.common.column_map));
     std::optional<Progress> progress(std::in_place, !options.common.quiet);
@@ -62,13 +72,10 @@ void runBeamTip(const BeamTipOptions& options) {
                       formatNumber(spring->damping, 4), formatNumber(100 * spring->residual_fraction, 3) + " %"});
     if (options.common.printsText()) std::cout << table.format(outputStyle());
     writeJson({{"complete", makeJson(tip.complete, "-", "s")}, {"truncated", makeJson(tip.truncated, "N/m", "N s/m")}},
-              options.common);
-    if (options.common.report_file.empty()) return;
-    HtmlReport page("Spring at the tip of the beam: " + recording.file);
-    page.addTable(table.header(), table.rows());
-    addPlot(page, "Complete equation of the tip", tip.complete, 0);
-    addPlot(page, "Truncated equation of the tip", tip.truncated, tip.truncated.stiffness);
-    page.write(options.common.report_file);
+              options.common, outputs);
+    if (!options.common.report_file.empty())
+        writeReport(tip, table, recording.file, options.common.report_file, outputs);
+    finishOutput(outputs);
 }
 
 }  // namespace

@@ -27,6 +27,15 @@ std::optional<TestCampaign> resolveRuns(RunSelection& selection, CommonOptions& 
     return campaign;
 }
 
+std::vector<std::string> listInputs(const RunSelection& selection, const CommonOptions& common,
+                                    const MountModel& model) {
+    std::vector<std::string> files{selection.model, selection.test, common.column_map, common.geometry,
+                                   model.bracket_path};
+    files.insert(files.end(), selection.recordings.begin(), selection.recordings.end());
+    files.insert(files.end(), selection.validation.begin(), selection.validation.end());
+    return files;
+}
+
 std::vector<ValidationError> validateModel(const MountModel& model, const std::vector<Recording>& recordings) {
     std::vector<ValidationError> errors;
     for (const Recording& recording : recordings) {

@@ -24,6 +24,10 @@ struct RunSelection {
 /// @throws InputError: recordings both ways or neither, no model
 std::optional<TestCampaign> resolveRuns(RunSelection& selection, CommonOptions& common);
 
+/// All files that the runs, the model and the common options name.
+std::vector<std::string> listInputs(const RunSelection& selection, const CommonOptions& common,
+                                    const MountModel& model);
+
 /// Error of a model on one validation run: of its free simulation, relative to the measured relative displacement.
 struct ValidationError {
     std::string file;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "models/atomic_file.hpp"
 #include "models/text_table.hpp"
 
 namespace wems::identify::cli {
@@ -58,7 +59,18 @@ std::string formatPercent(double share);
 /// JSON has no infinity and no NaN: null.
 nlohmann::json numberOrNull(double value);
 
-/// Writes `result` as JSON if --json was given (to a temporary file renamed at the end, or to standard output for `-`).
-void writeJson(const nlohmann::json& result, const CommonOptions& options);
+/// Writes `result` as JSON if --json was given: to standard output for `-`, else as one of the command's files.
+void writeJson(const nlohmann::json& result, const CommonOptions& options, OutputFiles& outputs);
+
+/// Files that a command reads beside those of its command line, such as the runs of a test file or the bracket modes of
+/// a model: none of them may be written.
+/// @param output of -o; empty without
+/// @throws InputError if one would be
+void protectInputs(const std::vector<std::string>& inputs, const std::string& output, const CommonOptions& options,
+                   OutputFiles& outputs);
+
+/// The end of a command: what was printed is handed over, then its files appear, all of them or none.
+/// @throws InputError if standard output or the disk does not take them
+void finishOutput(OutputFiles& outputs);
 
 }  // namespace wems::identify::cli

@@ -107,7 +107,7 @@ Table makeTable(const Comparison& comparison) {
     return table;
 }
 
-void writeReport(const Comparison& comparison, const CompareOptions& options) {
+void writeReport(const Comparison& comparison, const CompareOptions& options, OutputFiles& outputs) {
     HtmlReport page("Comparison of " + options.simulated + " with " + options.measured);
     page.addLead(describeError(comparison));
     const Table table = makeTable(comparison);
@@ -139,7 +139,7 @@ void writeReport(const Comparison& comparison, const CompareOptions& options) {
                      " % of the error:" + left_out);
     if (!comparison.notes.empty()) page.addHeading("How the motion was obtained");
     page.addList(comparison.notes);
-    page.write(options.common.report_file);
+    page.write(options.common.report_file, outputs);
 }
 
 /// @param[out] warnings about the recordings
@@ -193,8 +193,10 @@ void addCompareCommand(CLI::App& app, int& exit_status) {
             std::cout << describeError(comparison) << "\n\n" << makeTable(comparison).format(outputStyle());
             for (const auto& note : comparison.notes) std::cout << "note: " << note << "\n";
         }
-        writeJson(formatComparison(comparison), options->common);
-        if (!options->common.report_file.empty()) writeReport(comparison, *options);
+        OutputFiles outputs;
+        writeJson(formatComparison(comparison), options->common, outputs);
+        if (!options->common.report_file.empty()) writeReport(comparison, *options, outputs);
+        finishOutput(outputs);
         const bool exceeded = command->count("--limit") > 0 && !(comparison.error <= options->limit);
         if (exceeded) {
             std::cerr << "identify: the error " << formatNumber(comparison.error, 4) << " exceeds the limit "

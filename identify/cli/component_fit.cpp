@@ -29,7 +29,7 @@ Table tabulateParameters(const std::vector<ComponentParameter>& parameters) {
     return table;
 }
 
-void reportComponentFit(const ComponentFit& fit, const CommonOptions& options) {
+void reportComponentFit(const ComponentFit& fit, const CommonOptions& options, OutputFiles& outputs) {
     nlohmann::json unknown = nlohmann::json::array();
     for (const auto& u : fit.not_identifiable)
         unknown.push_back({{"names", {u.name}}, {"known_combination", ""}, {"separate_by", u.separate_by}});
@@ -48,7 +48,7 @@ void reportComponentFit(const ComponentFit& fit, const CommonOptions& options) {
                   << " independent samples\n";
         for (const auto& note : fit.notes) std::cout << "note: " << note << "\n";
     }
-    writeJson(result, options);
+    writeJson(result, options, outputs);
 }
 
 }  // namespace wems::identify::cli

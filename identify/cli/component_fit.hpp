@@ -18,6 +18,6 @@ nlohmann::json formatParameters(const std::vector<ComponentParameter>& parameter
 Table tabulateParameters(const std::vector<ComponentParameter>& parameters);
 
 /// Table on standard output (unless JSON goes there) and JSON if it was asked for.
-void reportComponentFit(const ComponentFit& fit, const CommonOptions& options);
+void reportComponentFit(const ComponentFit& fit, const CommonOptions& options, OutputFiles& outputs);
 
 }  // namespace wems::identify::cli

@@ -7,6 +7,7 @@
 #include "identify/cli/recordings.hpp"
 #include "identify/cli/written_recording.hpp"
 #include "models/command_line/usage.hpp"
+#include "models/format_number.hpp"
 #include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_writer.hpp"
@@ -21,10 +22,12 @@ struct ConvertOptions {
 };
 
 void runConvert(const ConvertOptions& options) {
+    OutputFiles outputs;
     WriteOptions write;
     write.digits = options.digits;
     if (!options.model.empty()) {
         const MountModel model = readMountModel(options.model);
+        protectInputs({model.bracket_path}, options.output, options.common, outputs);
         for (const Connection& connection : model.connections) write.rest[connection.name] = connection.position;
     }
     std::optional<Progress> progress(std::in_place, !options.common.quiet);
@@ -32,7 +35,7 @@ void runConvert(const ConvertOptions& options) {
     const std::optional<ColumnMap> map = readOptionalMap(options.common.column_map);
     const Recording recording = readRecording(options.input, map ? &*map : nullptr);
     progress->step("writing " + options.output, 0.55);
-    const auto notes = writeRecording(recording, options.output, write);
+    const auto notes = writeRecording(recording, options.output, write, outputs);
     progress.reset();
     for (const auto& warning : recording.warnings)
         std::cerr << "identify: " << recording.file << ": " << warning << "\n";
@@ -41,14 +44,13 @@ void runConvert(const ConvertOptions& options) {
                              std::to_string(recording.sampleCount()) + " samples from " + recording.format;
     std::vector<std::string> noticed = recording.warnings;
     noticed.insert(noticed.end(), notes.begin(), notes.end());
-    reportWritten({recording, options.output, options.input + ": " + made, noticed}, {}, options.common);
-    if (!options.common.printsText()) return;
-    std::cout << options.output << ": " << made << "\n";
-    if (!recording.unused_columns.empty()) {
-        std::cout << "not a channel:";
-        for (const auto& column : recording.unused_columns) std::cout << " '" << column << "'";
-        std::cout << "\n";
+    reportWritten({recording, options.output, options.input + ": " + made, noticed}, {}, options.common, outputs);
+    if (options.common.printsText()) {
+        std::cout << options.output << ": " << made << "\n";
+        if (!recording.unused_columns.empty())
+            std::cout << "not a channel: '" << joinWords(recording.unused_columns, "' '") << "'\n";
     }
+    finishOutput(outputs);
 }
 
 }  // namespace

@@ -61,8 +61,10 @@ private:
 };
 
 void runDiagnose(DiagnoseArguments arguments) {
+    OutputFiles outputs;
     resolveRuns(arguments.runs, arguments.common);
     const MountModel model = readDeviceModel(arguments.runs.model, arguments.common.geometry);
+    protectInputs(listInputs(arguments.runs, arguments.common, model), arguments.output, arguments.common, outputs);
     for (const std::string& judge : arguments.runs.validation)
         for (const std::string& fitted : arguments.runs.recordings)
             if (judge == fitted)
@@ -71,6 +73,8 @@ void runDiagnose(DiagnoseArguments arguments) {
     progress->step("reading");
     const auto identification = readDeviceRecordings(arguments.runs.recordings, arguments.common.column_map, model);
     const auto validation = readDeviceRecordings(arguments.runs.validation, arguments.common.column_map, model);
+    checkFitStart(model, arguments.runs.model);
+    for (const auto* group : {&identification, &validation}) checkSampleRate(*group, model);
     DiagnosisOptions options;
     StepShares shares;
     options.progress = [&](const std::string& text) { progress->step(text, shares.findBegin(text)); };
@@ -78,11 +82,12 @@ void runDiagnose(DiagnoseArguments arguments) {
     if (!arguments.common.report_file.empty()) {
         progress->step("report");
         writeDiagnosisReport(diagnosis, model, {identification, validation},
-                             model.name.empty() ? arguments.runs.model : model.name, arguments.common.report_file);
+                             model.name.empty() ? arguments.runs.model : model.name, arguments.common.report_file,
+                             outputs);
     }
     progress.reset();
-    if (!arguments.output.empty()) writeMountModel(diagnosis.extended, arguments.output);
-    writeJson(makeDiagnosisJson(diagnosis), arguments.common);
+    if (!arguments.output.empty()) writeMountModel(diagnosis.extended, arguments.output, outputs);
+    writeJson(makeDiagnosisJson(diagnosis), arguments.common, outputs);
     if (arguments.common.printsText()) {
         for (const auto* group : {&identification, &validation})
             for (const auto& recording : *group)
@@ -90,6 +95,7 @@ void runDiagnose(DiagnoseArguments arguments) {
         std::cout << formatDiagnosis(diagnosis, outputStyle());
         if (!arguments.output.empty()) std::cout << "\nExtended model: " << arguments.output << "\n";
     }
+    finishOutput(outputs);
 }
 
 }  // namespace

@@ -128,7 +128,7 @@ void addCurves(const Diagnosis& diagnosis, const MountModel& model, const Diagno
 }  // namespace
 
 void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, const DiagnosedRuns& runs,
-                          const std::string& title, const std::string& file) {
+                          const std::string& title, const std::string& file, OutputFiles& outputs) {
     HtmlReport page("Diagnosis of " + title);
     page.addLead("Verdict: " + formatVerdict(diagnosis.verdict));
     page.addText(describeErrors(diagnosis));
@@ -142,7 +142,7 @@ void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, c
     addRounds(diagnosis, page);
     page.addHeading("How the motion was obtained");
     page.addList(diagnosis.notes);
-    page.write(file);
+    page.write(file, outputs);
 }
 
 }  // namespace wems::identify::cli

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "identify/diagnose/diagnosis.hpp"
+#include "models/atomic_file.hpp"
 #include "models/recording/recording.hpp"
 
 namespace wems::identify::cli {
@@ -20,6 +21,6 @@ struct DiagnosedRuns {
 /// @param model as given
 /// @throws InputError if the file cannot be written
 void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, const DiagnosedRuns& runs,
-                          const std::string& title, const std::string& file);
+                          const std::string& title, const std::string& file, OutputFiles& outputs);
 
 }  // namespace wems::identify::cli

@@ -15,6 +15,7 @@
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
 #include "identify/motion/parallel.hpp"
+#include "models/admissible_model.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
@@ -54,15 +55,50 @@ DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& mode
     return result;
 }
 
+/// The fitted model as a command can read it again.
+/// @throws InputError if a fitted value keeps it from being one
+void addWrittenModel(MountModel model, const std::string& file, std::vector<std::string>& notes, OutputFiles& outputs) {
+    for (std::string& note : makeAdmissible(model)) notes.push_back(std::move(note));
+    try {
+        writeMountModel(model, file, outputs);
+    } catch (const InputError& error) {
+        if (!error.location().file.empty()) throw;
+        throw InputError({file, 0, error.location().key},
+                         "the fitted value makes no model that could be read again: it " + error.problem(),
+                         error.accepted());
+    }
+}
+
+/// A mount that feeds its motion is none: the recording runs backwards, or a sign is wrong.
+void noteNegativeDamping(const FitResult& fit, std::vector<std::string>& notes) {
+    const std::string ending = ".damping";
+    long known = 0, negative = 0;
+    std::string first;
+    for (const FittedParameter& parameter : fit.parameters) {
+        const std::string& name = parameter.name;
+        if (name.size() < ending.size() || name.compare(name.size() - ending.size(), ending.size(), ending) != 0)
+            continue;
+        ++known;
+        if (!(parameter.interval95[1] < 0)) continue;
+        ++negative;
+        if (first.empty()) first = name + " = " + formatNumber(parameter.value, 3) + " " + parameter.unit;
+    }
+    if (2 * negative > known)
+        notes.push_back("the mount feeds the motion with energy (" + first +
+                        " and others): does the time run backwards, or has a channel the wrong sign?");
+}
+
 /// @param recordings of the runs; none where the runs are blocks of long ones
 void fitDevice(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings,
-               DeviceRuns device, Timing timing, std::unique_ptr<Progress> progress) {
+               DeviceRuns device, Timing timing, std::unique_ptr<Progress> progress, OutputFiles& outputs) {
     Stopwatch watch(timing);
     const std::vector<RunMotion>& runs = device.runs;
     std::vector<std::string>& notes = device.notes;
     progress->step("equations of motion, parameters and intervals", device.blocks ? 0 : kMotionShare);
     const FitResult fit = fitMount(runs, model, options.fit);
     notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
+    noteNegativeDamping(fit, notes);
+    if (!options.output.empty()) addWrittenModel(fit.model, options.output, notes, outputs);
     watch.restart();  // the fit has steps of its own
     timing.insert(timing.end(), fit.timing.begin(), fit.timing.end());
     if (!options.runs.validation.empty()) progress->step("free simulations of the validation runs");
@@ -71,10 +107,9 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, const 
     watch.lap("validation");
     if (!options.common.report_file.empty()) {
         progress->step("report");
-        writeFitReport({fit, model, runs, recordings, notes}, options.common.report_file);
+        writeFitReport({fit, model, runs, recordings, notes}, options.common.report_file, outputs);
     }
     progress.reset();
-    if (!options.output.empty()) writeMountModel(fit.model, options.output);
     if (options.common.printsText()) {
         std::cout << makeParameterTable(fit).format(outputStyle());
         const Table open = makeOpenTable(fit);
@@ -92,7 +127,7 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, const 
     if (device.blocks) result["blocks"] = device.blocks->makeJson();
     for (const ValidationError& run : validation)
         result["validation"].push_back({{"run", run.file}, {"error", run.error}});
-    writeJson(result, options.common);
+    writeJson(result, options.common, outputs);
 }
 
 /// Force over displacement, as measured and as the fitted law has it along the measured motion.
@@ -112,12 +147,13 @@ Plot plotElement(const ComponentData& data, const ComponentFit& fit) {
     return plot;
 }
 
-void fitElement(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings) {
+void fitElement(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings,
+                OutputFiles& outputs) {
     ComponentFit fit = fitComponent(recordings, model, options.component);
     for (const Recording& recording : recordings)
         for (const auto& warning : recording.warnings) fit.notes.push_back(recording.file + ": " + warning);
-    if (!options.output.empty()) writeMountModel(fit.fitted, options.output);
-    reportComponentFit(fit, options.common);
+    if (!options.output.empty()) addWrittenModel(fit.fitted, options.output, fit.notes, outputs);
+    reportComponentFit(fit, options.common, outputs);
     if (options.common.report_file.empty()) return;
     HtmlReport page("Identified element: connection " + fit.connection + ", axis " + "xyz"[fit.axis]);
     const Table table = tabulateParameters(fit.parameters);
@@ -127,18 +163,19 @@ void fitElement(const FitCommandOptions& options, const MountModel& model, const
         page.addPlot(plotElement(data, fit));
     }
     for (const auto& note : fit.notes) page.addText(note);
-    page.write(options.common.report_file);
+    page.write(options.common.report_file, outputs);
 }
 
 bool asksForElement(const CLI::App& command) {
     return command.count("--mass") > 0 || command.count("--axis") > 0;
 }
 
-void runFit(FitCommandOptions options, const CLI::App& command) {
+void runFit(FitCommandOptions options, const CLI::App& command, OutputFiles& outputs) {
     Timing timing;
     Stopwatch watch(timing);
     options.campaign = resolveRuns(options.runs, options.common);
     const MountModel model = readDeviceModel(options.runs.model, options.common.geometry);
+    protectInputs(listInputs(options.runs, options.common, model), options.output, options.common, outputs);
     const std::optional<ColumnMap> map = readDeviceMap(options.common.column_map, model);
     auto progress = std::make_unique<Progress>(!options.common.quiet);
     const auto size = estimateSize(options.runs.recordings, map ? &*map : nullptr);
@@ -147,7 +184,7 @@ void runFit(FitCommandOptions options, const CLI::App& command) {
         DeviceRuns device = chooseBlocks(options.runs.recordings, map ? &*map : nullptr, model, options.fit,
                                          options.use, *size, options.memory, *progress);
         watch.lap("reading and choice of blocks");
-        fitDevice(options, model, {}, std::move(device), std::move(timing), std::move(progress));
+        fitDevice(options, model, {}, std::move(device), std::move(timing), std::move(progress), outputs);
         return;
     }
     std::vector<Recording> recordings;
@@ -162,11 +199,13 @@ void runFit(FitCommandOptions options, const CLI::App& command) {
     }
     watch.lap("reading");
     if (!isComponentTest(recordings.front()) && !asksForElement(command)) {
-        for (Recording& recording : recordings) checkConnections(recording, model);
+        checkFitStart(model, options.runs.model);
+        checkSampleRate(recordings, model);
+        for (Recording& recording : recordings) checkWhole(recording, model);
         watch.lap("checks");
         DeviceRuns device = estimateRuns(options, model, recordings, *progress);
         watch.lap("kinematics");
-        fitDevice(options, model, recordings, std::move(device), std::move(timing), std::move(progress));
+        fitDevice(options, model, recordings, std::move(device), std::move(timing), std::move(progress), outputs);
         return;
     }
     progress.reset();
@@ -176,7 +215,7 @@ void runFit(FitCommandOptions options, const CLI::App& command) {
     if (command.count("--from") > 0) component.from = options.from;
     if (command.count("--to") > 0) component.to = options.to;
     component.time_known = !map || map->has_time || map->sample_interval != 1;
-    fitElement(options, model, recordings);
+    fitElement(options, model, recordings, outputs);
 }
 
 }  // namespace
@@ -218,7 +257,11 @@ void addFitCommand(CLI::App& app, int& /*exit_status*/) {
         "  identify fit axial.csv oblique.csv --model believed.toml -o fitted.toml --json fit.json\n"
         "  identify fit --test campaign.toml -o fitted.toml\n"
         "  identify fit drop.csv --columns map.toml --model element.toml --mass 0.639 --from 0.40 --to 0.55");
-    command->callback([options, command] { runFit(*options, *command); });
+    command->callback([options, command] {
+        OutputFiles outputs;
+        runFit(*options, *command, outputs);
+        finishOutput(outputs);
+    });
 }
 
 }  // namespace wems::identify::cli

@@ -85,7 +85,7 @@ void addDisplacementPlots(HtmlReport& page, const std::vector<RunMotion>& runs) 
 
 }  // namespace
 
-void writeFitReport(const ReportedFit& reported, const std::string& file) {
+void writeFitReport(const ReportedFit& reported, const std::string& file, OutputFiles& outputs) {
     const FitResult& fit = reported.fit;
     HtmlReport page("Identified mount: " + fit.model.name);
     page.addLead(describeResidual(fit));
@@ -106,7 +106,7 @@ void writeFitReport(const ReportedFit& reported, const std::string& file) {
     addDisplacementPlots(page, reported.runs);
     if (!reported.notes.empty()) page.addHeading("How the motion was obtained");
     page.addList(reported.notes);
-    page.write(file);
+    page.write(file, outputs);
 }
 
 }  // namespace wems::identify::cli

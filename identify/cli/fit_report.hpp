@@ -7,6 +7,7 @@
 
 #include "identify/fit/fit.hpp"
 #include "identify/motion/motion.hpp"
+#include "models/atomic_file.hpp"
 #include "models/recording/recording.hpp"
 
 namespace wems::identify::cli {
@@ -20,6 +21,6 @@ struct ReportedFit {
 };
 
 /// @throws InputError if the file cannot be written
-void writeFitReport(const ReportedFit& reported, const std::string& file);
+void writeFitReport(const ReportedFit& reported, const std::string& file, OutputFiles& outputs);
 
 }  // namespace wems::identify::cli

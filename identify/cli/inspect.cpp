@@ -8,6 +8,7 @@
 #include "identify/cli/inspect_report.hpp"
 #include "identify/cli/long_recordings.hpp"
 #include "identify/cli/recordings.hpp"
+#include "identify/inspect/derivative_check.hpp"
 #include "identify/inspect/inspection.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/progress.hpp"
@@ -121,12 +122,15 @@ Inspection inspectOne(const InspectOptions& options, const std::string& file, co
     progress.step("reading " + file);
     recording = readRecording(file, map);
     progress.step("looking at " + file, 0.25);
+    for (std::string& sentence : findContradictions(recording)) recording.warnings.push_back(std::move(sentence));
     return inspect(recording, model);
 }
 
 void runInspect(const InspectOptions& options, int& exit_status) {
+    OutputFiles outputs;
     std::optional<MountModel> model;
     if (!options.model.empty()) model = readDeviceModel(options.model, options.common.geometry);
+    if (model) protectInputs({model->bracket_path}, "", options.common, outputs);
     const std::optional<ColumnMap> map =
         model ? readDeviceMap(options.common.column_map, *model) : readOptionalMap(options.common.column_map);
     auto results = nlohmann::json::array();
@@ -140,8 +144,9 @@ void runInspect(const InspectOptions& options, int& exit_status) {
         if (!options.common.report_file.empty()) report.add(inspection, recording);
         if (options.strict && !inspection.findings.empty()) exit_status = 1;
     }
-    writeJson({{"recordings", results}}, options.common);
-    if (!options.common.report_file.empty()) report.write(options.common.report_file);
+    writeJson({{"recordings", results}}, options.common, outputs);
+    if (!options.common.report_file.empty()) report.write(options.common.report_file, outputs);
+    finishOutput(outputs);
 }
 
 }  // namespace

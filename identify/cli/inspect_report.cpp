@@ -199,8 +199,8 @@ void InspectReport::add(const Inspection& inspection, const Recording& recording
     for (const ChannelGroup& group : groups) addSpectra(inspection, group, *page_);
 }
 
-void InspectReport::write(const std::string& file) const {
-    page_->write(file);
+void InspectReport::write(const std::string& file, OutputFiles& outputs) const {
+    page_->write(file, outputs);
 }
 
 }  // namespace wems::identify::cli

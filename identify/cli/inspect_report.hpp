@@ -6,6 +6,7 @@
 #include <string>
 
 #include "identify/inspect/inspection.hpp"
+#include "models/atomic_file.hpp"
 #include "models/terminal.hpp"
 
 namespace wems {
@@ -26,7 +27,7 @@ public:
     InspectReport& operator=(const InspectReport&) = delete;
 
     void add(const Inspection& inspection, const Recording& recording);
-    void write(const std::string& file) const;
+    void write(const std::string& file, OutputFiles& outputs) const;
 
 private:
     std::unique_ptr<HtmlReport> page_;

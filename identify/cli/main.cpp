@@ -1,13 +1,12 @@
 // The executable `identify`: commands on recordings.
 #include <cstdlib>
-#include <exception>
-#include <iostream>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
 
 #include "identify/cli/command.hpp"
 #include "models/command_line/completion.hpp"
+#include "models/command_line/standard_streams.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 
@@ -22,9 +21,7 @@ void keepFreedMemory() {
 #endif
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     keepFreedMemory();
     CLI::App app{"Identify mounts with elastomers and stops from recordings."};
     app.name(wems::programName(argv[0]));
@@ -54,15 +51,15 @@ int main(int argc, char** argv) {
     wems::identify::cli::addBeamTipCommand(app, exit_status);
     try {
         app.parse(argc, argv);
-        return exit_status;
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // help or version
-        std::cerr << "identify: " << wems::describeUsageError(app, error) << "\n";
-        return 2;
-    } catch (const wems::InputError& error) {
-        std::cerr << "identify: " << error.what() << "\n";
-    } catch (const std::exception& error) {
-        std::cerr << "identify: " << error.what() << "\n";
+        throw wems::InputError({}, wems::describeUsageError(app, error));
     }
-    return 2;
+    return exit_status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return wems::runProgram("identify", run, argc, argv);
 }

@@ -50,6 +50,7 @@ void runMerge(const MergeCommandOptions& options) {
                          "one for all recordings, or one for each");
     constexpr double share_of_reading = 0.35, share_of_writing = 0.3;
     std::optional<Progress> progress(std::in_place, !options.common.quiet);
+    OutputFiles outputs;
     std::vector<Recording> recordings;
     for (std::size_t i = 0; i < options.inputs.size(); ++i) {
         const std::string file = options.maps.empty() ? "" : options.maps[options.maps.size() == 1 ? 0 : i];
@@ -62,7 +63,7 @@ void runMerge(const MergeCommandOptions& options) {
     const MergedRecording result = merge(recordings, options.merge);
     const Recording& merged = result.recording;
     progress->step("writing " + options.output, 1 - share_of_writing);
-    const auto notes = writeRecording(merged, options.output);
+    const auto notes = writeRecording(merged, options.output, {}, outputs);
     progress.reset();
     for (const Recording& recording : recordings)
         for (const auto& warning : recording.warnings) std::cerr << recording.file << ": " << warning << "\n";
@@ -73,10 +74,12 @@ void runMerge(const MergeCommandOptions& options) {
     std::vector<std::string> noticed = merged.warnings;
     noticed.insert(noticed.end(), notes.begin(), notes.end());
     reportWritten({merged, options.output, joinWords(options.inputs, ", ") + ": " + made, noticed},
-                  plotCommon(result, options.merge.common), options.common);
-    if (!options.common.printsText()) return;
-    for (const auto& note : merged.warnings) std::cout << note << "\n";
-    std::cout << options.output << ": " << made << "\n";
+                  plotCommon(result, options.merge.common), options.common, outputs);
+    if (options.common.printsText()) {
+        for (const auto& note : merged.warnings) std::cout << note << "\n";
+        std::cout << options.output << ": " << made << "\n";
+    }
+    finishOutput(outputs);
 }
 
 }  // namespace

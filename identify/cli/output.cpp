@@ -7,7 +7,7 @@
 #include <iostream>
 
 #include "identify/cli/command.hpp"
-#include "models/atomic_file.hpp"
+#include "models/command_line/standard_streams.hpp"
 #include "models/command_line/usage.hpp"
 
 namespace wems::identify::cli {
@@ -56,15 +56,26 @@ nlohmann::json numberOrNull(double value) {
     return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
 
-void writeJson(const nlohmann::json& result, const CommonOptions& options) {
+void writeJson(const nlohmann::json& result, const CommonOptions& options, OutputFiles& outputs) {
     if (options.json_file.empty()) return;
     // Names of files need not be UTF-8.
     const std::string text = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
     if (options.json_file == "-") {
         std::cout << text;
     } else {
-        AtomicFile::write(options.json_file, text);
+        outputs.add(options.json_file, text);
     }
+}
+
+void protectInputs(const std::vector<std::string>& inputs, const std::string& output, const CommonOptions& options,
+                   OutputFiles& outputs) {
+    checkOutputs({output, options.json_file == "-" ? "" : options.json_file, options.report_file}, inputs);
+    outputs.protect(inputs);
+}
+
+void finishOutput(OutputFiles& outputs) {
+    flushStandardOutput();
+    outputs.commit();
 }
 
 }  // namespace wems::identify::cli

@@ -1,12 +1,53 @@
 #include "identify/cli/recordings.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "identify/inspect/derivative_check.hpp"
 #include "models/error.hpp"
+#include "models/format_number.hpp"
+#include "models/linear_modes.hpp"
 #include "models/recording/connection_checks.hpp"
 #include "models/recording/recording_reader.hpp"
 
 namespace wems::identify::cli {
+namespace {
+
+constexpr std::size_t least_samples = 8;  // that a motion is estimated from
+
+/// Hz; 0 where the model alone has no stable rest.
+double findLowestFrequency(const MountModel& model) {
+    constexpr double reference = 10;  // Hz; the order of magnitude counts
+    try {
+        return findLinearModes(linearize(model, reference)).frequency.minCoeff();
+    } catch (const InputError&) {
+        return 0;
+    }
+}
+
+}  // namespace
+
+void checkFitStart(const MountModel& model, const std::string& file) {
+    for (const Connection& connection : model.connections)
+        for (const AxisLaw& law : connection.axis)
+            if (law.stiffness > 0) return;
+    throw InputError({file, 0, "connection"}, "every stiffness is 0",
+                     "first guesses above 0, such as the design's: the fit starts from them");
+}
+
+void checkSampleRate(const std::vector<Recording>& recordings, const MountModel& model) {
+    const double lowest = findLowestFrequency(model);
+    if (!(lowest > 0)) return;
+    for (const Recording& recording : recordings) {
+        const double interval = recording.sampleInterval();
+        if (!(interval > 0) || 1 / interval > 2 * lowest) continue;
+        throw InputError({recording.file, 0, "time"},
+                         "the sample rate of " + formatNumber(1 / interval, 3) +
+                             " Hz is below twice the lowest natural frequency of the model, " +
+                             formatNumber(lowest, 3) + " Hz",
+                         "a higher rate; is the unit of time the right one?");
+    }
+}
 
 std::optional<ColumnMap> readOptionalMap(const std::string& file) {
     if (file.empty()) return std::nullopt;
@@ -41,6 +82,11 @@ void checkConnections(Recording& recording, const MountModel& model) {
     for (const Finding& finding : checkAgainstModel(recording, model)) recording.warnings.push_back(finding.message);
 }
 
+void checkWhole(Recording& recording, const MountModel& model) {
+    checkConnections(recording, model);
+    for (std::string& sentence : findContradictions(recording)) recording.warnings.push_back(std::move(sentence));
+}
+
 void keepOnly(const std::string& use, Recording& recording) {
     if (use == "all") return;
     const Derivative kept = use == "accelerations" ? Derivative::acceleration : Derivative::displacement;
@@ -61,7 +107,10 @@ std::vector<Recording> readDeviceRecordings(const std::vector<std::string>& file
     recordings.reserve(files.size());
     for (const auto& file : files) {
         recordings.push_back(readRecording(file, map ? &*map : nullptr));
-        checkConnections(recordings.back(), model);
+        if (recordings.back().sampleCount() < least_samples)
+            throw InputError({file, 0, "time"}, "only " + std::to_string(recordings.back().sampleCount()) + " samples",
+                             "at least " + std::to_string(least_samples));
+        checkWhole(recordings.back(), model);
     }
     return recordings;
 }

@@ -23,6 +23,15 @@ MountModel readDeviceModel(const std::string& file, const std::string& geometry)
 
 /// Connections that are missing, unknown or exchanged join the recording's warnings.
 void checkConnections(Recording& recording, const MountModel& model);
+/// The same of a whole recording, with accelerations that contradict the displacements beside them.
+void checkWhole(Recording& recording, const MountModel& model);
+
+/// @param file of the model
+/// @throws InputError if no elastomer has a stiffness that a fit could start from
+void checkFitStart(const MountModel& model, const std::string& file);
+
+/// @throws InputError if a recording's rate is below twice the lowest natural frequency, as with a wrong unit of time
+void checkSampleRate(const std::vector<Recording>& recordings, const MountModel& model);
 
 /// Leaves out what `use` does not name of the channels of both parts: `all`, `displacements` or `accelerations` alone.
 void keepOnly(const std::string& use, Recording& recording);

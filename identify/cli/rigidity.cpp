@@ -95,7 +95,9 @@ std::vector<std::string> makeSentences(const Rigidity& rigidity, const Recording
 }
 
 void runRigidity(const RigidityOptions& options, bool limited, int& exit_status) {
+    OutputFiles outputs;
     const MountModel model = readDeviceModel(options.model, options.common.geometry);
+    protectInputs({model.bracket_path}, "", options.common, outputs);
     std::optional<Progress> progress(std::in_place, !options.common.quiet);
     progress->step("reading " + options.recording);
     const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
@@ -106,7 +108,7 @@ void runRigidity(const RigidityOptions& options, bool limited, int& exit_status)
     const std::vector<std::string> sentences = makeSentences(rigidity, recording);
     if (report) {
         progress->step("report", 0.6);
-        writeRigidityReport(rigidity, table, sentences, recording, model, options.common.report_file);
+        writeRigidityReport(rigidity, table, sentences, recording, model, options.common.report_file, outputs);
     }
     progress.reset();
     if (options.common.printsText()) {
@@ -114,7 +116,8 @@ void runRigidity(const RigidityOptions& options, bool limited, int& exit_status)
         for (const std::string& line : sentences)
             std::cout << (line.rfind("Suspect", 0) == 0 ? paint(line, Colour::yellow, outputStyle()) : line) << "\n";
     }
-    writeJson(makeJson(rigidity, recording), options.common);
+    writeJson(makeJson(rigidity, recording), options.common, outputs);
+    finishOutput(outputs);
     if (!limited) return;
     for (const RigidityCheck& check : rigidity.checks) {
         if (check.max_percent > options.limit) exit_status = 1;

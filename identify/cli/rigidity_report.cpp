@@ -35,7 +35,8 @@ void addMotionIfKnown(HtmlReport& report, const Recording& recording, const Moun
 }  // namespace
 
 void writeRigidityReport(const Rigidity& rigidity, const Table& table, const std::vector<std::string>& sentences,
-                         const Recording& recording, const MountModel& model, const std::string& file) {
+                         const Recording& recording, const MountModel& model, const std::string& file,
+                         OutputFiles& outputs) {
     HtmlReport report("Rigidity: " + recording.file);
     report.addTable(table.header(), table.rows());
     for (const std::string& sentence : sentences) report.addText(sentence);
@@ -56,7 +57,7 @@ void writeRigidityReport(const Rigidity& rigidity, const Table& table, const std
         if (!frequency.series.empty()) report.addPlot(frequency);
     }
     addMotionIfKnown(report, recording, model);
-    report.write(file);
+    report.write(file, outputs);
 }
 
 }  // namespace wems::identify::cli

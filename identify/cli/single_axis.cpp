@@ -73,7 +73,8 @@ std::string describeResidual(const SingleAxisResult& result) {
     return "unexplained: " + formatNumber(100 * result.residual_fraction, 3) + " % of the force";
 }
 
-void writeReport(const SingleAxisResult& result, const std::string& recording, const std::string& file) {
+void writeReport(const SingleAxisResult& result, const std::string& recording, const std::string& file,
+                 OutputFiles& outputs) {
     HtmlReport page("One-axis regression: " + recording);
     const Table table = makeTable(result);
     page.addTable(table.header(), table.rows());
@@ -90,10 +91,11 @@ void writeReport(const SingleAxisResult& result, const std::string& recording, c
                       true});
     }
     for (const auto& note : result.notes) page.addText(note);
-    page.write(file);
+    page.write(file, outputs);
 }
 
 void runSingleAxis(SingleAxisCommandOptions options) {
+    OutputFiles outputs;
     const std::string axes = "xyz";
     SingleAxisOptions& method = options.method;
     method.axis = static_cast<int>(axes.find(options.axis));
@@ -113,6 +115,7 @@ void runSingleAxis(SingleAxisCommandOptions options) {
             throw InputError({{}, 0, "--window"}, "does not ascend", "lowest and highest swept frequency, Hz");
     }
     const MountModel model = readMountModel(options.model);
+    protectInputs({model.bracket_path}, options.output, options.common, outputs);
     std::optional<Progress> progress(std::in_place, !options.common.quiet);
     progress->step("reading " + options.recording);
     const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
@@ -120,14 +123,15 @@ void runSingleAxis(SingleAxisCommandOptions options) {
     SingleAxisResult result = identifySingleAxis(recording, model, method);
     progress.reset();
     result.notes.insert(result.notes.begin(), recording.warnings.begin(), recording.warnings.end());
-    if (!options.output.empty()) writeMountModel(result.model, options.output);
+    if (!options.output.empty()) writeMountModel(result.model, options.output, outputs);
     if (options.common.printsText()) {
         std::cout << makeTable(result).format(outputStyle()) << describeSingularValues(result) << "\n"
                   << describeResidual(result) << "\n";
         for (const auto& note : result.notes) std::cout << "note: " << note << "\n";
     }
-    writeJson(makeJson(result, options.samples), options.common);
-    if (!options.common.report_file.empty()) writeReport(result, recording.file, options.common.report_file);
+    writeJson(makeJson(result, options.samples), options.common, outputs);
+    if (!options.common.report_file.empty()) writeReport(result, recording.file, options.common.report_file, outputs);
+    finishOutput(outputs);
 }
 
 }  // namespace

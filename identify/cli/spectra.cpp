@@ -29,7 +29,7 @@ std::pair<double, double> parseBand(const std::string& text) {
     return {from, to};
 }
 
-std::vector<RunSpectra> calcAll(const SpectraOptions& options) {
+std::vector<RunSpectra> calcAll(const SpectraOptions& options, OutputFiles& outputs) {
     SpectraSettings settings;
     if (options.resolution > 0) settings.resolution = options.resolution;
     if (!options.band.empty()) settings.band = parseBand(options.band);
@@ -37,6 +37,7 @@ std::vector<RunSpectra> calcAll(const SpectraOptions& options) {
     settings.quality = options.quality;
     std::optional<MountModel> model;
     if (!options.model.empty()) model = readDeviceModel(options.model, options.common.geometry);
+    if (model) protectInputs({model->bracket_path}, "", options.common, outputs);
     const std::optional<ColumnMap> map =
         model ? readDeviceMap(options.common.column_map, *model) : readOptionalMap(options.common.column_map);
     Progress progress(!options.common.quiet);
@@ -78,10 +79,12 @@ void addSpectraCommand(CLI::App& app, int& /*exit_status*/) {
         "Example, three levels of one test overlaid, with what is left of each clearance:\n"
         "  identify spectra low.csv middle.csv high.csv --model mount.toml --report spectra.html");
     command->callback([options] {
-        const std::vector<RunSpectra> runs = calcAll(*options);
+        OutputFiles outputs;
+        const std::vector<RunSpectra> runs = calcAll(*options, outputs);
         if (options->common.printsText()) std::cout << formatSpectra(runs, outputStyle());
-        writeJson(makeSpectraJson(runs), options->common);
-        if (!options->common.report_file.empty()) writeSpectraReport(runs, options->common.report_file);
+        writeJson(makeSpectraJson(runs), options->common, outputs);
+        if (!options->common.report_file.empty()) writeSpectraReport(runs, options->common.report_file, outputs);
+        finishOutput(outputs);
     });
 }
 

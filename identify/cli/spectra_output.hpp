@@ -21,7 +21,7 @@ Table tabulateMargins(const Margins& margins);
 std::string formatSpectra(const std::vector<RunSpectra>& runs, TextStyle style);
 nlohmann::json makeSpectraJson(const std::vector<RunSpectra>& runs);
 /// All runs overlaid. @throws InputError: cannot be written
-void writeSpectraReport(const std::vector<RunSpectra>& runs, const std::string& file);
+void writeSpectraReport(const std::vector<RunSpectra>& runs, const std::string& file, OutputFiles& outputs);
 
 /// Unit in which a quantity is shown, and its factor from SI: g for accelerations, mm for displacements.
 struct ShownUnit {

@@ -166,7 +166,7 @@ std::string describeLargestPeak(const std::vector<RunSpectra>& runs) {
 
 }  // namespace
 
-void writeSpectraReport(const std::vector<RunSpectra>& runs, const std::string& file) {
+void writeSpectraReport(const std::vector<RunSpectra>& runs, const std::string& file, OutputFiles& outputs) {
     HtmlReport page(runs.size() > 1 ? "Spectra of " + std::to_string(runs.size()) + " runs"
                                     : "Spectra of " + runs[0].file);
     page.addLead(describeLargestPeak(runs));
@@ -189,7 +189,7 @@ void writeSpectraReport(const std::vector<RunSpectra>& runs, const std::string& 
     addOrders(runs, page);
     addDensities(runs, page);
     addShockResponses(runs, page);
-    page.write(file);
+    page.write(file, outputs);
 }
 
 }  // namespace wems::identify::cli

@@ -132,6 +132,7 @@ nlohmann::json reportFriction(const ComponentData& data, const std::vector<Compo
 }
 
 void runSurface(const SurfaceOptions& options, const CLI::App& command) {
+    OutputFiles outputs;
     ComponentOptions component;
     if (command.count("--from") > 0) component.from = options.from;
     if (command.count("--to") > 0) component.to = options.to;
@@ -161,8 +162,9 @@ void runSurface(const SurfaceOptions& options, const CLI::App& command) {
     }
     nlohmann::json result = formatResult(data, kind);
     if (kind.name.find("friction") == 0) result["friction_element"] = reportFriction(data, others, print);
-    writeJson(result, options.common);
-    if (!options.common.report_file.empty()) writeSurfaceReport(data, kind, options.common.report_file);
+    writeJson(result, options.common, outputs);
+    if (!options.common.report_file.empty()) writeSurfaceReport(data, kind, options.common.report_file, outputs);
+    finishOutput(outputs);
 }
 
 }  // namespace

@@ -21,7 +21,8 @@ std::vector<double> scale(const std::vector<double>& values, double factor) {
 
 }  // namespace
 
-void writeSurfaceReport(const ComponentData& data, const SurfaceKind& kind, const std::string& file) {
+void writeSurfaceReport(const ComponentData& data, const SurfaceKind& kind, const std::string& file,
+                        OutputFiles& outputs) {
     constexpr int cells = 60;
     const std::vector<double> force = scale(data.force, 1), displacement = scale(data.q, 1e3);
     HtmlReport report("Restoring force surface: " + data.file);
@@ -54,7 +55,7 @@ void writeSurfaceReport(const ComponentData& data, const SurfaceKind& kind, cons
                     {{"force", scale(calcTravel(data.q, 0.05), 1e3), force}},
                     true});
     for (const auto& note : data.notes) report.addText(note);
-    report.write(file);
+    report.write(file, outputs);
 }
 
 }  // namespace wems::identify::cli

@@ -39,8 +39,9 @@ void addChannels(HtmlReport& page, const Recording& recording) {
 
 }  // namespace
 
-void reportWritten(const WrittenRecording& written, const std::vector<Plot>& pictures, const CommonOptions& options) {
-    writeJson(makeRecordingJson(written), options);
+void reportWritten(const WrittenRecording& written, const std::vector<Plot>& pictures, const CommonOptions& options,
+                   OutputFiles& outputs) {
+    writeJson(makeRecordingJson(written), options, outputs);
     if (options.report_file.empty()) return;
     HtmlReport page("Recording: " + written.file);
     page.addText(written.made);
@@ -52,7 +53,7 @@ void reportWritten(const WrittenRecording& written, const std::vector<Plot>& pic
     for (const Plot& plot : pictures) page.addPlot(plot);
     page.addHeading("Channels");
     addChannels(page, written.recording);
-    page.write(options.report_file);
+    page.write(options.report_file, outputs);
 }
 
 }  // namespace wems::identify::cli

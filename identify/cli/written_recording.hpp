@@ -21,6 +21,7 @@ struct WrittenRecording {
 
 /// --json and --report, if they were asked for.
 /// @param pictures that come before those of the channels
-void reportWritten(const WrittenRecording& written, const std::vector<Plot>& pictures, const CommonOptions& options);
+void reportWritten(const WrittenRecording& written, const std::vector<Plot>& pictures, const CommonOptions& options,
+                   OutputFiles& outputs);
 
 }  // namespace wems::identify::cli

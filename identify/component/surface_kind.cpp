@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "identify/component/block_regression.hpp"
+#include "models/error.hpp"
 
 namespace wems::identify {
 namespace {
@@ -222,6 +223,10 @@ SurfaceKind characteriseSurface(const ComponentData& data, double low_force) {
     const auto chosen = std::find_if(trials.begin(), trials.end(), [&](const Trial& trial) {
         return trial.wide_regions && trial.summary.information <= best + 6.0;
     });
+    if (chosen == trials.end())
+        throw InputError({data.file, 0, ""},
+                         "no law can be told from these " + std::to_string(data.count()) + " samples",
+                         "displacements and forces that vary, over several strokes");
 
     kind.strokes = summariseFriction(data.q, data.force, low_force);
     kind.history_fraction = on_strokes.history;

@@ -3,9 +3,12 @@
 #include <cstdlib>
 
 #include "models/atomic_file.hpp"
+#include "models/error.hpp"
 
 namespace wems {
 namespace {
+
+constexpr const char* file_type = "FILE";
 
 /// CLI11's own ranges list their limits with 300 digits.
 CLI::Validator accept(const std::string& name, const std::string& accepted, bool (*fits)(double)) {
@@ -17,6 +20,17 @@ CLI::Validator accept(const std::string& name, const std::string& accepted, bool
             return right ? std::string() : "'" + text + "' is not " + accepted;
         },
         name);
+}
+
+/// An output that another option reads or writes, too. All words of the command line are known by now.
+void checkAgainstOthers(const CLI::App& app, const CLI::Option* output, const std::string& path) {
+    for (const CLI::Option* other : app.get_options()) {
+        if (other == output || other->get_type_name() != file_type) continue;
+        for (const std::string& file : other->results())
+            if (file != "-" && isSameFile(path, file))
+                throw InputError({path, 0, {}}, "is given to " + output->get_name() + " and to " + other->get_name(),
+                                 "another name for the output");
+    }
 }
 
 std::string listCommands(const CLI::App& app) {
@@ -50,8 +64,11 @@ CLI::Validator isNonNegative() {
 
 CLI::Option* addOutputFile(CLI::App& app, const std::string& name, std::string& file, const std::string& help,
                            bool dash_is_output) {
-    return app.add_option(name, file, help)->type_name("FILE")->each([dash_is_output](const std::string& path) {
-        if (!(dash_is_output && path == "-")) AtomicFile::checkWritable(path);
+    CLI::Option* option = app.add_option(name, file, help)->type_name(file_type);
+    return option->each([&app, option, dash_is_output](const std::string& path) {
+        if (dash_is_output && path == "-") return;
+        checkAgainstOthers(app, option, path);
+        AtomicFile::checkWritable(path);
     });
 }
 

@@ -21,7 +21,8 @@ CLI::Option* addInputFile(CLI::App& app, const std::string& name, Files& files, 
     return app.add_option(name, files, help)->type_name("FILE");
 }
 
-/// An option for a file to write. That it can be written is seen before anything is computed.
+/// An option for a file to write. That it can be written, and is no other file of the command line, is seen before
+/// anything is computed.
 /// @param dash_is_output whether `-` stands for standard output
 CLI::Option* addOutputFile(CLI::App& app, const std::string& name, std::string& file, const std::string& help,
                            bool dash_is_output = false);

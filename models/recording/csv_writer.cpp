@@ -1,13 +1,7 @@
 #include "models/recording/csv_writer.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <fstream>
-#include <stdexcept>
 
-#include "models/atomic_file.hpp"
-#include "models/error.hpp"
 #include "models/recording/number_writer.hpp"
 
 namespace wems {
@@ -26,53 +20,49 @@ std::string oneLine(std::string text) {
     return text;
 }
 
-struct Column {
-    const std::vector<double>* values;
-    double factor;
-    int digits;
-};
-
-std::vector<Column> makeColumns(const Recording& recording, const std::string& file, int digits, std::string& header) {
-    std::vector<Column> columns{{&recording.time, 1.0, std::max(digits, kTimeDigits)}};
-    header += "time [s]";
-    for (const auto& channel : recording.channels) {
-        const auto name = parseChannelName(channel.name);
-        if (!name || channel.values.size() != recording.time.size())
-            throw std::invalid_argument("writeCsv: channel '" + channel.name + "' has no valid name or length");
-        const Quantity quantity = findQuantity(*name);
-        const std::string unit = channel.unit.empty() ? siUnit(quantity) : channel.unit;
-        columns.push_back({&channel.values, findUnitFactor(unit, quantity, {file, 0, channel.name}), digits});
-        header += "," + quoteField(channel.name + " [" + unit + "]");
-    }
-    return columns;
-}
-
 }  // namespace
 
-void writeCsv(const Recording& recording, const std::string& file, int digits) {
+CsvWriter::CsvWriter(const Recording& header, const std::string& file, int digits)
+    : digits_(std::clamp(digits, 1, 17)) {
     std::string text;
-    for (const auto& [key, value] : recording.metadata) text += "# " + oneLine(key) + ": " + oneLine(value) + "\n";
-    const auto columns = makeColumns(recording, file, std::clamp(digits, 1, 17), text);
-    text += '\n';
+    for (const auto& [key, value] : header.metadata) text += "# " + oneLine(key) + ": " + oneLine(value) + "\n";
+    text += "time [s]";
+    for (const auto& channel : header.channels) {
+        const Quantity quantity = findQuantity(parseValidName(channel));
+        const std::string unit = channel.unit.empty() ? siUnit(quantity) : channel.unit;
+        unit_factors_.push_back(findUnitFactor(unit, quantity, {file, 0, channel.name}));
+        text += "," + quoteField(channel.name + " [" + unit + "]");
+    }
+    file_ = std::make_unique<AtomicFile>(file);
+    file_->write(text + "\n");
+}
 
-    AtomicFile target(file);
-    std::ofstream stream(target.temporaryPath(), std::ios::binary | std::ios::trunc);
-    const auto flush = [&] {
-        stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-        text.clear();
-    };
-    for (std::size_t i = 0; i < recording.time.size(); ++i) {
-        for (std::size_t j = 0; j < columns.size(); ++j) {
-            if (j > 0) text += ',';
-            appendNumber((*columns[j].values)[i] / columns[j].factor, columns[j].digits, text);
+void CsvWriter::append(const Recording& rows) {
+    checkRows(rows, unit_factors_.size());
+    std::string text;
+    for (std::size_t i = 0; i < rows.time.size(); ++i) {
+        appendNumber(rows.time[i], std::max(digits_, kTimeDigits), text);
+        for (std::size_t j = 0; j < unit_factors_.size(); ++j) {
+            text += ',';
+            appendNumber(rows.channels[j].values[i] / unit_factors_[j], digits_, text);
         }
         text += '\n';
-        if (text.size() > kFlushSize) flush();
+        if (text.size() < kFlushSize) continue;
+        file_->write(text);
+        text.clear();
     }
-    flush();
-    stream.close();
-    if (!stream) throw InputError({file, 0, {}}, "could not be written completely; is the disk full?");
-    target.commit();
+    file_->write(text);
+}
+
+std::unique_ptr<AtomicFile> CsvWriter::finish() {
+    file_->finish();
+    return std::move(file_);
+}
+
+void writeCsv(const Recording& recording, const std::string& file, int digits) {
+    CsvWriter writer(recording, file, digits);
+    writer.append(recording);
+    writer.finish()->commit();
 }
 
 }  // namespace wems

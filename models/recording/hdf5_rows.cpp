@@ -4,6 +4,7 @@
 #include <map>
 
 #include "models/recording/hdf5_file.hpp"
+#include "models/recording/separate_reader.hpp"
 
 namespace wems {
 namespace {
@@ -35,7 +36,8 @@ private:
 }  // namespace
 
 Hdf5Rows::Hdf5Rows(const std::string& file, const ColumnMap* map)
-    : content_(tabulateMat(readHdf5File(file, kSmall), file)), plan_(planTable(content_.table, map)) {
+    : content_(tabulateMat(readSeparately(file, "HDF5", [&file] { return readHdf5File(file, kSmall); }), file)),
+      plan_(planTable(content_.table, map)) {
     const auto count = [this](const SelectedColumn& column) { return content_.series[column.index].sampleCount(); };
     sample_count_ = checkLengths(plan_, count);
 }

@@ -6,6 +6,7 @@
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/recording/hdf5_file.hpp"
+#include "models/recording/separate_reader.hpp"
 
 namespace wems {
 namespace {
@@ -200,7 +201,9 @@ MatTable tabulateMat(MatFile content, const std::string& file) {
 }
 
 RecordingTable readMat(const std::string& file, bool hdf5) {
-    MatTable read = tabulateMat(hdf5 ? readHdf5File(file) : readMatFile(file), file);
+    MatTable read = tabulateMat(hdf5 ? readSeparately(file, "HDF5", [&file] { return readHdf5File(file); })
+                                     : readSeparately(file, "matio", [&file] { return readMatFile(file); }),
+                                file);
     for (const MatSeries& series : read.series) read.table.values.push_back(series.read(0, series.sampleCount()));
     return std::move(read.table);
 }

@@ -1,13 +1,18 @@
 #include "models/recording/opensim_reader.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <optional>
 
 #include "models/axis_names.hpp"
 #include "models/error.hpp"
+#include "models/format_number.hpp"
 #include "models/recording/line_cursor.hpp"
 
 namespace wems {
 namespace {
+
+constexpr const char* kSimmRows = "datarows";
 
 std::string_view trimLine(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r");
@@ -81,7 +86,32 @@ void stateUnits(RecordingTable& table) {
     }
 }
 
+std::optional<double> findDeclaredRows(const Metadata& metadata) {
+    for (const char* key : {"nRows", "NumFrames", kSimmRows}) {
+        const auto found = metadata.find(key);
+        if (found == metadata.end()) continue;
+        char* end = nullptr;
+        const double rows = std::strtod(found->second.c_str(), &end);
+        if (end != found->second.c_str() && rows >= 0) return rows;
+    }
+    return std::nullopt;
+}
+
+void checkEnd(RecordingTable& table, const LineCursor& lines, std::string_view text) {
+    checkRowCount(table.file, table.metadata, lines.line(), table.values.empty() ? 0 : table.values.front().size());
+    if (text.back() != '\n') table.warnings.emplace_back(kNoLineEnd);
+}
+
 }  // namespace
+
+void checkRowCount(const std::string& file, const Metadata& metadata, long last_line, std::size_t rows) {
+    const std::optional<double> declared = findDeclaredRows(metadata);
+    if (!declared || static_cast<double>(rows) == *declared) return;
+    throw InputError(
+        {file, last_line, {}},
+        "the file ends after " + std::to_string(rows) + " rows, its header declares " + formatNumber(*declared),
+        "a file that is complete, or the right number in the header");
+}
 
 bool isTrc(std::string_view text) {
     return text.substr(0, 12) == "PathFileType";
@@ -130,7 +160,11 @@ RecordingTable readStorageHeader(LineCursor& lines, const std::string& file) {
         const auto line = trimLine(lines.take());
         if (line == "endheader") break;
         const auto equals = line.find('=');
-        if (equals == std::string_view::npos) continue;
+        if (equals == std::string_view::npos) {
+            const auto words = splitFields(line);  // SIMM's motion files
+            if (words.size() == 2 && words[0] == kSimmRows) table.metadata[kSimmRows] = std::string(words[1]);
+            continue;
+        }
         const std::string key(trimLine(line.substr(0, equals)));
         table.metadata[key] = std::string(trimLine(line.substr(equals + 1)));
         if (key == "DataType") type = table.metadata[key];
@@ -148,6 +182,7 @@ RecordingTable readTrc(std::string_view text, const std::string& file) {
     LineCursor lines(text);
     RecordingTable table = readTrcHeader(lines, file);
     table.values = readNumberRows(lines, table.columns.size(), file);
+    checkEnd(table, lines, text);
     return table;
 }
 
@@ -155,6 +190,7 @@ RecordingTable readStorage(std::string_view text, const std::string& file) {
     LineCursor lines(text);
     RecordingTable table = readStorageHeader(lines, file);
     table.values = readNumberRows(lines, table.columns.size(), file);
+    checkEnd(table, lines, text);
     return table;
 }
 

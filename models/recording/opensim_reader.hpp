@@ -10,6 +10,8 @@
 /// Sources: OpenSim documentation, Marker (.trc) Files; Storage (.sto) Files; Motion (.mot) Files.
 #pragma once
 
+#include <cstddef>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -31,5 +33,16 @@ RecordingTable readStorageHeader(LineCursor& lines, const std::string& file);
 /// @throws InputError with file and line
 RecordingTable readTrc(std::string_view text, const std::string& file);
 RecordingTable readStorage(std::string_view text, const std::string& file);
+
+using Metadata = std::map<std::string, std::string>;
+
+/// @param metadata of the header, which may declare the rows (`nRows`, `NumFrames`, `datarows`)
+/// @param last_line of the file, from 1
+/// @throws InputError if there are not as many rows as declared
+void checkRowCount(const std::string& file, const Metadata& metadata, long last_line, std::size_t rows);
+
+/// Warning of a text whose last row has no line end.
+inline constexpr const char* kNoLineEnd =
+    "the last row has no line end: the file may be cut, and its last number may lack digits";
 
 }  // namespace wems

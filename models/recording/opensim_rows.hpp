@@ -25,6 +25,7 @@ private:
     LineCursor lines_;
     TablePlan plan_;
     std::size_t column_count_ = 0;  // in the file
+    std::size_t rows_read_ = 0;
     double expected_samples_ = 0;
 };
 

@@ -67,6 +67,23 @@ void noteRest(Recording& recording, const std::vector<double>& rest, double dura
     recording.warnings.emplace_back(text);
 }
 
+/// No measurement is larger; fourth powers of what is left are finite numbers.
+constexpr double kLargestValue = 1e75;
+
+void checkMagnitudes(const Recording& block) {
+    const auto check = [&](const std::vector<double>& values, const std::string& name) {
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            if (!(std::abs(values[i]) > kLargestValue)) continue;
+            char text[40];
+            std::snprintf(text, sizeof text, "the value is %.3g in SI", values[i]);
+            throw InputError({block.file, block.first_row + static_cast<long>(i), name}, text,
+                             "a measured value, up to 1e75");
+        }
+    };
+    check(block.time, "time");
+    for (const Channel& channel : block.channels) check(channel.values, channel.name);
+}
+
 }  // namespace
 
 void finishBlock(Recording& block, const ColumnMap* map, bool positions, BlockState& state) {
@@ -75,6 +92,7 @@ void finishBlock(Recording& block, const ColumnMap* map, bool positions, BlockSt
         for (std::size_t i = 0; i < block.time.size(); ++i)
             block.time[i] = static_cast<double>(state.first_sample + i) * map->sample_interval;
     }
+    checkMagnitudes(block);
     const RestPosition kind = map != nullptr ? map->rest : RestPosition{};
     if (kind.kind == RestPosition::Kind::mean || (positions && kind.kind == RestPosition::Kind::by_format)) {
         if (!state.rest) {

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "models/atomic_file.hpp"
 #include "models/recording/recording.hpp"
 
 namespace wems {
@@ -17,12 +20,46 @@ struct WriteOptions {
     std::map<std::string, Eigen::Vector3d> rest;
 };
 
-/// The file is complete or not there.
-/// @returns one sentence for each thing that the format cannot hold
+/// A recording on its way into a file, block by block: memory does not grow with its length.
+class RecordingWriter {
+public:
+    RecordingWriter() = default;
+    virtual ~RecordingWriter() = default;
+    RecordingWriter(const RecordingWriter&) = delete;
+    RecordingWriter& operator=(const RecordingWriter&) = delete;
+
+    /// Writes the samples of `rows`, which has the header's channels in their order.
+    /// @throws InputError: the disk does not take them; std::invalid_argument: a channel whose length is not that of
+    ///         time, a value that is infinite
+    virtual void append(const Recording& rows) = 0;
+    /// The file, complete; it appears with its commit().
+    virtual std::unique_ptr<AtomicFile> finish() = 0;
+    /// One sentence for each thing that the format cannot hold.
+    const std::vector<std::string>& notes() const { return notes_; }
+
+protected:
+    std::vector<std::string> notes_;
+};
+
+/// What some formats say of the rows before the first of them.
+struct RowPlan {
+    std::size_t count = 0;
+    double interval = 0;  ///< s, mean; 0: not known
+};
+
+/// @param header names and units of the channels, metadata; its samples are left alone
 /// @throws InputError: the file cannot be written, a unit that is not known, nothing that the format can hold;
-///         std::invalid_argument: a channel whose length is not that of time, a name that is no channel, a value that
-///         is infinite.
+///         std::invalid_argument: a name that is no channel
+std::unique_ptr<RecordingWriter> openRecordingWriter(const Recording& header, const RowPlan& plan,
+                                                     const std::string& file, const WriteOptions& options);
+
+/// A whole recording. The file is complete or not there.
+/// @returns one sentence for each thing that the format cannot hold
+/// @throws as openRecordingWriter() and RecordingWriter::append()
 std::vector<std::string> writeRecording(const Recording& recording, const std::string& file,
                                         const WriteOptions& options = {});
+/// The same as one of the files that a command writes.
+std::vector<std::string> writeRecording(const Recording& recording, const std::string& file,
+                                        const WriteOptions& options, OutputFiles& outputs);
 
 }  // namespace wems

@@ -194,8 +194,14 @@ std::string HtmlReport::format() const {
     return page + "</body></html>\n";
 }
 
+void HtmlReport::write(const std::string& file, OutputFiles& outputs) const {
+    outputs.add(file, format());
+}
+
 void HtmlReport::write(const std::string& file) const {
-    AtomicFile::write(file, format());
+    OutputFiles outputs;
+    write(file, outputs);
+    outputs.commit();
 }
 
 }  // namespace wems

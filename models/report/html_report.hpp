@@ -11,6 +11,7 @@
 
 namespace wems {
 
+class OutputFiles;
 struct ForceSurface;
 struct MotionScene;
 
@@ -61,6 +62,8 @@ public:
     std::string format() const;
     /// Complete or not at all. @throws InputError if the file cannot be written.
     void write(const std::string& file) const;
+    /// The same as one of the files that a command writes.
+    void write(const std::string& file, OutputFiles& outputs) const;
 
 private:
     void addPlot(const Plot& plot, std::size_t buckets);

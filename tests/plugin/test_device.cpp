@@ -102,8 +102,8 @@ TEST_CASE("steady vibration agrees with the frequency domain") {
     const Eigen::VectorXcd amplitude = dynamic.partialPivLu().solve(load.cast<std::complex<double>>());
 
     SimulationSettings settings;
+    settings.times.push_back(0.0);
     for (int k = 0; k <= 100; ++k) settings.times.push_back(3.0 + 0.001 * k);
-    settings.times.insert(settings.times.begin(), 0.0);
     settings.accuracy = 1e-9;
     settings.channels.acceleration = true;
     const SimulationResult result = simulate(model, makeLoadDwell(frequency, 4, force, 1.0), settings);

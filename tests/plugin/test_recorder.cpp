@@ -1,10 +1,12 @@
 // What a recording says about a run.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "models/bryant.hpp"
 #include "models/error.hpp"
 #include "models/load_gain.hpp"
+#include "plugin/run_estimate.hpp"
 #include "plugin/simulation.hpp"
 #include "tests/plugin/sample_models.hpp"
 
@@ -44,7 +46,8 @@ TEST_CASE("the end state does not know how often it was looked at") {
     const double rates[3] = {1 / duration, 100, 10000};
     for (int i = 0; i < 3; ++i) {
         Device device(model, makeLoadSweep({100, 50, 250}), duration);
-        Recorder recorder(device, makeSensorChannels(model, {}, true, false), makeTimes(rates[i], duration));
+        Recorder recorder(device, makeSensorChannels(model, {}, true, false), makeTimes(rates[i], duration),
+                          [](auto, auto) {});
         device.updSystem().addEventReporter(recorder.makeReporter());
         SimTK::RungeKuttaMersonIntegrator integrator(device.system());
         integrator.setAccuracy(1e-6);
@@ -269,4 +272,60 @@ TEST_CASE("a run that grows without bound says when and why") {
     }
     // A force on a fixed part that cannot move is a mistake, not a simulation.
     CHECK_THROWS_AS(simulate(model, makeLoadSweep({0, 0, 1}), settings), InputError);
+}
+
+TEST_CASE("Rows that are handed on in blocks are those that are kept, delays, leads and noise included") {
+    MountModel model = makeModel();
+    model.sensors = {{"mobile.1", 1, 0.05, Eigen::Vector3d::Zero()}, {"fixed.2", 1, -0.02, Eigen::Vector3d::Zero()}};
+    SimulationSettings settings;
+    settings.times = SampleTimes::makeUniform(20000, 10001);  // some blocks
+    settings.noise.displacement = 1e-6;
+    settings.noise.load = 0.1;
+    settings.longest_step = 5e-3;
+    const auto drive = makeLoadSweep({100, 50, 250});
+    const Recording whole = simulate(model, drive, settings).recording;
+    REQUIRE(whole.sampleCount() == settings.times.size());
+    Recording joined = whole;
+    joined.time.clear();
+    for (Channel& channel : joined.channels) channel.values.clear();
+    std::size_t blocks = 0, longest = 0;
+    settings.sink = [&](const Recording& rows) {
+        ++blocks;
+        longest = std::max(longest, rows.sampleCount());
+        joined.time.insert(joined.time.end(), rows.time.begin(), rows.time.end());
+        for (std::size_t c = 0; c < rows.channels.size(); ++c) {
+            std::vector<double>& values = joined.channels[c].values;
+            values.insert(values.end(), rows.channels[c].values.begin(), rows.channels[c].values.end());
+        }
+    };
+    const SimulationResult streamed = simulate(model, drive, settings);
+    CHECK(blocks > 1);
+    CHECK(longest <= 2 * Recorder::block_rows);
+    CHECK(streamed.samples == whole.sampleCount());
+    CHECK(streamed.recording.time.empty());
+    CHECK(joined.time == whole.time);
+    for (std::size_t c = 0; c < whole.channels.size(); ++c) {
+        CAPTURE(whole.channels[c].name);
+        CHECK(joined.channels[c].values == whole.channels[c].values);
+    }
+}
+
+TEST_CASE("A run that is watched ends with the reason that the watch gives") {
+    SimulationSettings settings;
+    settings.times = makeTimes(1000, 1);
+    settings.watch = [](double t) { return t > 0.1 ? std::string("enough") : std::string(); };
+    CHECK_THROWS_WITH(simulate(makeModel(), makeLoadSweep({100, 50, 250}), settings), "enough");
+}
+
+TEST_CASE("The fastest law of a model is named with its rate against the mass that it moves") {
+    MountModel model = test::makeRigidModel();
+    model.connections[1].axis[2].damping = 1e7;
+    const FastestLaw fastest = findFastestLaw(model);
+    CHECK(fastest.name == model.connections[1].name + ".z.damping");
+    CHECK(fastest.value == 1e7);
+    // Between those of the whole mass alone and of the mass with the lever of the smallest inertia.
+    const double arm = (model.connections[1].position - model.body.center_of_gravity).squaredNorm();
+    const double smallest = model.body.inertia.diagonal().minCoeff();
+    CHECK(fastest.rate >= 1e7 / model.body.mass);
+    CHECK(fastest.rate <= 1e7 * (1 / model.body.mass + arm / (0.5 * smallest)));
 }

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "models/pi.hpp"
@@ -156,4 +157,22 @@ TEST_CASE("base motion moves a model without bracket") {
     REQUIRE(recording.find("fixed.mount.az") != nullptr);
     for (const std::size_t k : {10U, 77U})  // the fixed part moves with the base
         CHECK(recording.find("fixed.mount.az")->values[k] == Approx(recording.find("base.az")->values[k]).margin(1e-9));
+}
+
+TEST_CASE("a run that would take too long ends within seconds, with the law that makes it so") {
+    const TemporaryDirectory folder;
+    std::ifstream shipped(single_axis);
+    std::string text{std::istreambuf_iterator<char>(shipped), {}};
+    text.replace(text.find("damping = "), 0, "relaxation = { stiffness_ratio = 0.1, time_constant = 1e-9 }\n");
+    folder.write("stiff.toml", text);
+    const auto shown = runProgram(SIMULATE_PROGRAM,
+                                  {"stiff.toml", "--dwell", "10:100", "--base-acceleration", "z=1", "-o", "run.csv",
+                                   "--json", "run.json", "--time-limit", "60"},
+                                  folder.path());
+    CAPTURE(shown.errors);
+    CHECK(shown.exit_status == 2);
+    CHECK(std::count(shown.errors.begin(), shown.errors.end(), '\n') == 1);
+    CHECK_THAT(shown.errors, Catch::Contains("the fastest law is") && Catch::Contains(".time_constant = 1e-09") &&
+                                 Catch::Contains("accepted: a shorter run"));
+    CHECK(folder.list() == std::vector<std::string>{"stiff.toml"});
 }

@@ -1,0 +1,115 @@
+#include "plugin/run_estimate.hpp"
+
+#include <unistd.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "models/error.hpp"
+#include "models/format_number.hpp"
+
+namespace wems::plugin {
+namespace {
+
+constexpr double kTwoPi = 6.283185307179586;
+constexpr double kTypicalDisplacement = 1e-3;  // m, for what stiffens with displacement
+
+class Search {
+public:
+    explicit Search(double inverse_mass) : inverse_mass_(inverse_mass) {}
+
+    void spring(const std::string& name, double value, double stiffness) {
+        offer(name, value, std::sqrt(std::abs(stiffness) * inverse_mass_));
+    }
+    void damper(const std::string& name, double value, double damping) {
+        offer(name, value, std::abs(damping) * inverse_mass_);
+    }
+    void offer(const std::string& name, double value, double rate) {
+        if (rate > fastest.rate) fastest = {name, value, rate};
+    }
+    void setInverseMass(double inverse_mass) { inverse_mass_ = inverse_mass; }
+
+    FastestLaw fastest;
+
+private:
+    double inverse_mass_;
+};
+
+void searchAxis(const AxisLaw& law, const std::string& place, Search& search) {
+    search.spring(place + "stiffness", law.stiffness, law.stiffness);
+    search.damper(place + "damping", law.damping, law.damping);
+    search.spring(place + "cubic", law.cubic, 3 * law.cubic * kTypicalDisplacement * kTypicalDisplacement);
+    if (law.relaxation) {
+        search.offer(place + "time_constant", law.relaxation->time_constant, 1 / law.relaxation->time_constant);
+        search.spring(place + "stiffness_ratio", law.relaxation->stiffness_ratio,
+                      law.stiffness * law.relaxation->stiffness_ratio);
+    }
+    if (law.friction) {
+        search.damper(place + "friction_force", law.friction->force,
+                      law.friction->force / law.friction->transition_velocity);
+        if (law.friction->presliding_stiffness)
+            search.spring(place + "presliding_stiffness", *law.friction->presliding_stiffness,
+                          *law.friction->presliding_stiffness);
+    }
+    for (const Stop& stop : law.stops) {
+        const std::string side = place + (stop.side == Side::positive ? "+." : "-.");
+        search.spring(side + "stiffness", stop.stiffness, law.stiffness + stop.stiffness);
+        search.damper(side + "dissipation", stop.dissipation, stop.stiffness * stop.dissipation * kTypicalDisplacement);
+    }
+}
+
+}  // namespace
+
+FastestLaw findFastestLaw(const MountModel& model) {
+    const double smallest_inertia =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(model.body.inertia, Eigen::EigenvaluesOnly).eigenvalues()[0];
+    double bracket = 0;  // 1/kg
+    for (const BracketMode& mode : model.bracket) bracket += mode.translation.squaredNorm();
+    Search search(1 / model.body.mass);
+    for (const Connection& connection : model.connections) {
+        const double arm = (connection.position - model.body.center_of_gravity).squaredNorm();
+        search.setInverseMass(1 / model.body.mass + arm / smallest_inertia + bracket);
+        for (std::size_t axis = 0; axis < connection.axis.size(); ++axis)
+            searchAxis(connection.axis.at(axis), connection.name + "." + "xyz"[axis] + ".", search);
+    }
+    for (std::size_t j = 0; j < model.bracket.size(); ++j) {
+        const BracketMode& mode = model.bracket[j];
+        const std::string name = "bracket mode " + std::to_string(j + 1);
+        search.offer(name, mode.frequency, kTwoPi * mode.frequency);
+        search.offer(name + " damping_ratio", mode.damping_ratio, 2 * kTwoPi * mode.frequency * mode.damping_ratio);
+    }
+    return search.fastest;
+}
+
+RunEstimate estimateRun(double samples, double channels, double duration, double longest_step,
+                        std::optional<double> base_step) {
+    constexpr double bytes_a_number = 12;  // nine digits, point, comma, sign
+    constexpr double bytes_a_node = 56;    // of the base motion: time, displacement, velocity
+    RunEstimate estimate;
+    estimate.samples = samples;
+    estimate.channels = channels;
+    estimate.steps = duration / longest_step;
+    estimate.file_bytes = samples * (channels + 1) * bytes_a_number;
+    estimate.memory_bytes = base_step ? bytes_a_node * duration / *base_step : 0;
+    return estimate;
+}
+
+std::string describe(const RunEstimate& estimate) {
+    return formatNumber(estimate.samples) + " samples of " + formatNumber(estimate.channels) +
+           " channels, a file of about " + formatNumber(std::ceil(estimate.file_bytes / 1e6), 3) + " MB, " +
+           formatNumber(std::ceil(estimate.steps), 3) + " steps or more";
+}
+
+void checkMemory(const RunEstimate& estimate) {
+    const double present =
+        static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+    constexpr double share = 0.8;  // that one program may take
+    if (!(estimate.memory_bytes > share * present)) return;
+    throw InputError({{}, 0, "--duration"},
+                     "the base motion of this run takes " + formatNumber(estimate.memory_bytes / 1e9, 3) +
+                         " GB of memory, this computer has " + formatNumber(present / 1e9, 3),
+                     "a shorter run, or a force in place of the base acceleration");
+}
+
+}  // namespace wems::plugin

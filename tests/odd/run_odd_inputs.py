@@ -1,0 +1,172 @@
+"""Odd recordings and odd models through every command.
+
+A command must answer or refuse: exit status 0, 1 or 2; with 2 one line on standard error, no file left and no text of an
+exception; no signal; within 60 s of processor time.
+
+    run_odd_inputs.py IDENTIFY SIMULATE MODELS [--seed N] [--recordings N] [--models N] [--keep FOLDER] [--skip COMMAND …]
+
+prints its seed, one line for each failure and the figures; exit status 1 if there is a failure.
+"""
+import argparse
+import os
+import random
+import re
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from odd_models import draw_model
+from odd_recordings import draw_recording
+
+LIMIT = 60  # s of processor time
+EXCEPTION = re.compile(r"std::|terminate|what\(\)|[Aa]ssert|internal error|basic_string|vector::|bad_alloc|SimTK|Eigen|"
+                       r"H5|nlohmann|CLI::|json\.exception|filesystem error|stack smashing|core dumped")
+
+
+def run(arguments, folder):
+    """Exit status, standard error, seconds of processor time; status None where the limit is exceeded."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (2 * LIMIT, 2 * LIMIT))  # two threads
+    try:
+        done = subprocess.run(arguments, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.PIPE, timeout=10 * LIMIT, preexec_fn=limit)
+        status, errors = done.returncode, done.stderr.decode("utf-8", "replace")
+    except subprocess.TimeoutExpired:
+        status, errors = None, ""
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return status, errors, seconds
+
+
+def recording_commands(identify, simulate):
+    """Of an odd recording odd.csv; good.csv, model.toml are good. Outputs begin with `out`."""
+    all_outputs = ["--json", "out.json", "--report", "out.html"]
+    on_model = ["--model", "model.toml"]
+    return {
+        "inspect": [identify, "inspect", "odd.csv", *all_outputs],
+        "inspect --model": [identify, "inspect", "odd.csv", *on_model, *all_outputs],
+        "rigidity": [identify, "rigidity", "odd.csv", *on_model, *all_outputs],
+        "fit": [identify, "fit", "odd.csv", *on_model, "-o", "out.toml", *all_outputs],
+        "fit two": [identify, "fit", "good.csv", "odd.csv", *on_model, "-o", "out.toml", *all_outputs],
+        "surface": [identify, "surface", "odd.csv", *all_outputs],
+        "compare": [identify, "compare", "odd.csv", "good.csv", *on_model, *all_outputs],
+        "convert": [identify, "convert", "odd.csv", "out.trc", *all_outputs],
+        "merge": [identify, "merge", "good.csv", "odd.csv", "-o", "out.csv", "--common", "load.fz", *all_outputs],
+        "single-axis": [identify, "single-axis", "odd.csv", *on_model, "-o", "out.toml", *all_outputs],
+        "beam-tip": [identify, "beam-tip", "odd.csv", *all_outputs],
+        "replay": [simulate, "model.toml", "--from-csv", "odd.csv", "-q", "-o", "out.csv", *all_outputs],
+        "diagnose": [identify, "diagnose", "odd.csv", *on_model, "-o", "out.toml", *all_outputs],
+    }
+
+
+def model_commands(identify, simulate):
+    """Of an odd model odd.toml."""
+    all_outputs = ["--json", "out.json", "--report", "out.html"]
+    on_model = ["--model", "odd.toml"]
+    return {
+        "sweep": [simulate, "odd.toml", "--sweep", "5:50", "--rate", "240", "--force", "z=200", "-q", "-o", "out.csv",
+                  *all_outputs],
+        "random": [simulate, "odd.toml", "--random", "5:100:0.5", "--base-acceleration", "z=5", "-q", "-o", "out.csv",
+                   *all_outputs],
+        "inspect --model": [identify, "inspect", "good.csv", *on_model, *all_outputs],
+        "rigidity": [identify, "rigidity", "good.csv", *on_model, *all_outputs],
+        "fit": [identify, "fit", "good.csv", *on_model, "-o", "out.toml", *all_outputs],
+        "compare": [identify, "compare", "good.csv", "good2.csv", *on_model, *all_outputs],
+        "convert": [identify, "convert", "good.csv", "out.trc", *on_model, *all_outputs],
+        "single-axis": [identify, "single-axis", "good.csv", *on_model, "-o", "out.toml", *all_outputs],
+        "diagnose": [identify, "diagnose", "good.csv", *on_model, "-o", "out.toml", *all_outputs],
+    }
+
+
+def findings(status, errors, seconds, left):
+    """What is wrong with an outcome, in words."""
+    if status is None or status == -24:
+        yield "more than 60 s"
+        return
+    if status < 0:
+        yield f"signal {-status}: {errors.strip()[-200:]}"
+        return
+    if status not in (0, 1, 2):
+        yield f"exit status {status}"
+    if seconds > 2 * LIMIT:
+        yield f"{seconds:.0f} s of processor time"
+    if EXCEPTION.search(errors):
+        yield "text of an exception: " + errors.strip()[:200]
+    if status == 2 and errors.count("\n") != 1:
+        yield f"{errors.count(chr(10))} lines on standard error: " + errors.strip()[:300]
+    if status == 2 and left:
+        yield "left behind: " + " ".join(left)
+
+
+def prepare(folder, arguments):
+    """Good recordings of half a second to one second, the model and its modes."""
+    for name in ("smallsat_wems.toml", "smallsat_bracket.csv"):
+        shutil.copy(Path(arguments.models) / name, folder)
+    (folder / "smallsat_wems.toml").rename(folder / "model.toml")
+    for name, level in (("good.csv", "z=200"), ("good2.csv", "x=80,y=50")):
+        subprocess.run([arguments.simulate, "model.toml", "--sweep", "5:50", "--rate", "200", "--force", level, "--sample-rate",
+                        "500", "--noise", "displacement=1e-6,acceleration=0.01", "-q", "-o", name], cwd=folder, check=True)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("identify"), parser.add_argument("simulate"), parser.add_argument("models")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--recordings", type=int, default=200)
+    parser.add_argument("--models", dest="model_count", type=int, default=200)
+    parser.add_argument("--keep", help="folder for inputs that failed")
+    parser.add_argument("--skip", nargs="*", default=[])
+    arguments = parser.parse_args()
+    print("seed", arguments.seed)
+    runs = refused = failures = 0
+    slowest = (0.0, "")
+    with tempfile.TemporaryDirectory(prefix="wems-odd-") as name:
+        folder = Path(name)
+        prepare(folder, arguments)
+        good = (folder / "good.csv").read_text()
+        model, modes = (folder / "model.toml").read_text(), (folder / "smallsat_bracket.csv").read_text()
+        cases = [("recording", i) for i in range(arguments.recordings)] + [("model", i) for i in range(arguments.model_count)]
+        for kind, i in cases:
+            drawn = random.Random(f"{arguments.seed} {kind} {i}")
+            if kind == "recording":
+                content, what = draw_recording(good, drawn)
+                odd = {"odd.csv": content}
+                commands = recording_commands(arguments.identify, arguments.simulate)
+            else:
+                content, odd_modes, what = draw_model(model, modes, drawn)
+                content = content.replace(b"smallsat_bracket.csv", b"odd_bracket.csv")
+                odd = {"odd.toml": content, "odd_bracket.csv": odd_modes}
+                commands = model_commands(arguments.identify, arguments.simulate)
+            for file, data in odd.items():
+                (folder / file).write_bytes(data)
+            before = set(os.listdir(folder))
+            for command, words in commands.items():
+                if command in arguments.skip:
+                    continue
+                status, errors, seconds = run(words, folder)
+                left = sorted(set(os.listdir(folder)) - before)
+                runs += 1
+                refused += status == 2
+                slowest = max(slowest, (seconds, f"{kind} {i} {what}: {command}"))
+                wrong = list(findings(status, errors, seconds, left))
+                for text in wrong:
+                    failures += 1
+                    print(f"{kind} {i} {what}: {command}: {text}", flush=True)
+                if wrong and arguments.keep:
+                    for file in odd:
+                        os.makedirs(arguments.keep, exist_ok=True)
+                        shutil.copy(folder / file, Path(arguments.keep) / f"{kind}{i}_{file}")
+                for file in left:
+                    (folder / file).unlink()
+            for file in odd:
+                (folder / file).unlink()
+    print(f"{arguments.recordings} recordings, {arguments.model_count} models, {runs} runs: {refused} refused, {failures} failures; "
+          f"slowest {slowest[0]:.1f} s of processor time ({slowest[1]})")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
