@@ -98,6 +98,43 @@ TEST_CASE("a Maxwell branch: the pole is a root of its cubic, the stiffness comp
     CHECK(std::abs(response[0].force.z() - stiffness * response[0].relative.z()) < 1e-8);
 }
 
+TEST_CASE("a guided part on a bracket mode: base motion and load by hand") {
+    // Only z is free relative to the fixed part, which one mode moves along x and z and carries the mass with it.
+    const double m = 4, k = 5e4, c = 30, f = 30;
+    MountModel model = makeOscillator(m, k, c);
+    model.body.free = {false, false, true, false, false, false};
+    model.load_point = LoadPoint{Part::mobile, Eigen::Vector3d::Zero()};
+    BracketMode mode;
+    mode.frequency = f;
+    mode.damping_ratio = 0.02;
+    mode.translation = {0.4, 0, 0.3};
+    mode.base_participation = {1.1, -0.6, 2.3};
+    model.bracket = {mode};
+    const LinearDynamics dynamics(model);
+    REQUIRE(dynamics.system().mass.rows() == 2);
+    const Eigen::Vector3d phi = mode.translation, load(7, 3, -5), base(0.8, -0.3, 1.7);
+    Eigen::Matrix2d M, C = Eigen::Matrix2d::Zero(), K = Eigen::Matrix2d::Zero();
+    M << m, m * phi.z(), m * phi.z(), 1 + m * phi.squaredNorm();
+    C.diagonal() << c, 2 * mode.damping_ratio * kTwoPi * f;
+    K.diagonal() << k, kTwoPi * f * kTwoPi * f;
+    const Eigen::Vector3d force = load - m * base;
+    const Eigen::Vector2d right(force.z(), phi.dot(force) - mode.base_participation.dot(base));
+    for (const double frequency : {3.0, 14.0, 25.0, 80.0}) {
+        const double w = kTwoPi * frequency;
+        const Eigen::Matrix2cd dynamic = (K - w * w * M).cast<Complex>() + Complex(0, w) * C;
+        const Eigen::Vector2cd x = dynamic.partialPivLu().solve(right.cast<Complex>());
+        const Eigen::Vector3cd fixed = base - w * w * (phi * x[1]);
+        const Eigen::Vector3cd mobile = fixed - w * w * (Eigen::Vector3d::UnitZ() * x[0]);
+        const ConnectionResponse response = dynamics.calcResponse(frequency, {load, base})[0];
+        // The ends' motions are central differences.
+        CHECK(std::abs(response.relative.z() - x[0]) < 1e-8 * std::abs(x[0]));
+        CHECK(response.relative.head<2>().norm() < 1e-8 * std::abs(x[0]));
+        CHECK(std::abs(response.force.z() - Complex(k, c * w) * x[0]) < 1e-8 * k * std::abs(x[0]));
+        CHECK((response.fixed_acceleration - fixed).norm() < 1e-8 * fixed.norm());
+        CHECK((response.mobile_acceleration - mobile).norm() < 1e-8 * mobile.norm());
+    }
+}
+
 TEST_CASE("two degrees of freedom by hand: mount on a bracket mode, effective masses") {
     // The mobile mass on a bracket mode of modal mass M that moves along z: a chain of two masses.
     const double m = 4, k = 5e4, M = 10, f = 30;
