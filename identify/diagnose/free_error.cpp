@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "identify/diagnose/aliasing.hpp"
-#include "identify/diagnose/fourier.hpp"
-#include "identify/diagnose/whitening.hpp"
 #include "identify/forward/forward_model.hpp"
+#include "identify/problem/aliasing.hpp"
+#include "identify/problem/fourier.hpp"
+#include "identify/problem/rigid_matrices.hpp"
 #include "models/axis_names.hpp"
 #include "models/bryant.hpp"
 #include "models/pi.hpp"
