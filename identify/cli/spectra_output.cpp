@@ -72,7 +72,7 @@ std::string formatMillimetres(const std::optional<double>& value) {
 
 }  // namespace
 
-ShownUnit findShownUnit(Quantity quantity) {
+SpectrumUnit findSpectrumUnit(Quantity quantity) {
     constexpr double g = 9.80665;
     if (quantity == Quantity::acceleration) return {"g", 1 / g};
     if (quantity == Quantity::length) return {"mm", 1e3};
@@ -83,7 +83,7 @@ Table tabulateLevels(const RunSpectra& run) {
     Table table({"channel", "RMS", "peak", "unit", "at [s]"});
     for (const ChannelLevel& level : run.channels) {
         if (level.peak == 0) continue;
-        const ShownUnit unit = findShownUnit(level.quantity);
+        const SpectrumUnit unit = findSpectrumUnit(level.quantity);
         table.addRow({level.name, formatNumber(unit.factor * level.rms, 4), formatNumber(unit.factor * level.peak, 4),
                       unit.name, formatNumber(level.at, 5)});
     }
@@ -154,7 +154,7 @@ nlohmann::json makeSpectraJson(const std::vector<RunSpectra>& runs) {
                                 {"density", listOf(run.spectra.density.col(static_cast<Eigen::Index>(c)))},
                                 {"density_unit", "(" + unit + ")^2/Hz"}});
             if (level.quantity == Quantity::acceleration)
-                channels.back()["g_rms"] = findShownUnit(level.quantity).factor * level.rms;
+                channels.back()["g_rms"] = findSpectrumUnit(level.quantity).factor * level.rms;
         }
         for (const ChannelTransfer& transfer : run.transfers) transfers.push_back(makeTransferJson(transfer));
         for (const ChannelTransfer& transfer : run.transmissibilities) ratios.push_back(makeTransferJson(transfer));

@@ -24,10 +24,10 @@ nlohmann::json makeSpectraJson(const std::vector<RunSpectra>& runs);
 void writeSpectraReport(const std::vector<RunSpectra>& runs, const std::string& file, OutputFiles& outputs);
 
 /// Unit in which a quantity is shown, and its factor from SI: g for accelerations, mm for displacements.
-struct ShownUnit {
+struct SpectrumUnit {
     const char* name;
     double factor;
 };
-ShownUnit findShownUnit(Quantity quantity);
+SpectrumUnit findSpectrumUnit(Quantity quantity);
 
 }  // namespace wems::identify::cli

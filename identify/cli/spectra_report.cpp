@@ -9,7 +9,7 @@
 namespace wems::identify::cli {
 namespace {
 
-std::vector<double> listOf(const Eigen::VectorXd& values, double factor = 1) {
+std::vector<double> listCurves(const Eigen::VectorXd& values, double factor = 1) {
     const Eigen::VectorXd scaled = factor * values;
     return {scaled.begin(), scaled.end()};
 }
@@ -71,7 +71,7 @@ void addTransfers(const std::vector<RunSpectra>& runs, bool transmissibility, Ht
     Pictures sizes, coherences;
     for (const RunSpectra& run : runs) {
         const Eigen::Index from = firstBin(run), count = std::max<Eigen::Index>(1, lastBin(run) - from + 1);
-        const std::vector<double> f = listOf(run.spectra.frequency.segment(from, count));
+        const std::vector<double> f = listCurves(run.spectra.frequency.segment(from, count));
         for (const ChannelTransfer& transfer : transmissibility ? run.transmissibilities : run.transfers) {
             // What does not answer the drive anywhere is not drawn.
             const Eigen::VectorXd coherence = transfer.estimate.coherence.segment(from, count);
@@ -80,9 +80,9 @@ void addTransfers(const std::vector<RunSpectra>& runs, bool transmissibility, Ht
             const std::string over = transmissibility ? "over the fixed part" : "over " + transfer.input;
             const std::string name = nameSeries(runs, run, transfer.output);
             sizes.find("H1 of " + group + " " + over, "frequency [Hz]", "[" + transfer.unit + "]", true)
-                .series.push_back({name, f, listOf(transfer.estimate.h1.segment(from, count).cwiseAbs())});
+                .series.push_back({name, f, listCurves(transfer.estimate.h1.segment(from, count).cwiseAbs())});
             coherences.find("Coherence of " + group + " " + over, "frequency [Hz]", "coherence [-]", false)
-                .series.push_back({name, f, listOf(coherence)});
+                .series.push_back({name, f, listCurves(coherence)});
         }
     }
     sizes.addTo(page, transmissibility ? "Transmissibility" : "Frequency response");
@@ -95,7 +95,7 @@ void addDensities(const std::vector<RunSpectra>& runs, HtmlReport& page) {
         for (std::size_t c = 0; c < run.channels.size(); ++c) {
             const ChannelLevel& level = run.channels[c];
             if (!(level.rms > 0)) continue;
-            const ShownUnit unit = findShownUnit(level.quantity);
+            const SpectrumUnit unit = findSpectrumUnit(level.quantity);
             const Eigen::Index count = run.spectra.frequency.size() - 1;
             pictures
                 .find("Density of " + nameGroup(level.name), "frequency [Hz]",
@@ -103,9 +103,9 @@ void addDensities(const std::vector<RunSpectra>& runs, HtmlReport& page) {
                           (std::string(unit.name).size() > 2 ? "(" + std::string(unit.name) + ")" : unit.name) +
                           "^2/Hz]",
                       true)
-                .series.push_back({nameSeries(runs, run, level.name), listOf(run.spectra.frequency.tail(count)),
-                                   listOf(run.spectra.density.col(static_cast<Eigen::Index>(c)).tail(count),
-                                          unit.factor * unit.factor)});
+                .series.push_back({nameSeries(runs, run, level.name), listCurves(run.spectra.frequency.tail(count)),
+                                   listCurves(run.spectra.density.col(static_cast<Eigen::Index>(c)).tail(count),
+                                              unit.factor * unit.factor)});
         }
     pictures.addTo(page, "Power spectral density");
 }
@@ -116,13 +116,14 @@ void addOrders(const std::vector<RunSpectra>& runs, HtmlReport& page) {
         for (const OrderTrack& track : run.orders.tracks) {
             const auto name = parseChannelName(track.channel);
             if (!name) continue;
-            const ShownUnit unit = findShownUnit(findQuantity(*name));
+            const SpectrumUnit unit = findSpectrumUnit(findQuantity(*name));
             const Eigen::VectorXd first = track.amplitude.row(0).transpose();
             if (!(first.array() > 0).any()) continue;
             pictures
                 .find("First order of " + nameGroup(track.channel), "swept frequency [Hz]",
                       std::string("amplitude [") + unit.name + "]", false)
-                .series.push_back({nameSeries(runs, run, track.channel), run.orders.hertz, listOf(first, unit.factor)});
+                .series.push_back(
+                    {nameSeries(runs, run, track.channel), run.orders.hertz, listCurves(first, unit.factor)});
         }
     pictures.addTo(page, "Orders along the sweep");
 }
@@ -137,7 +138,7 @@ void addShockResponses(const std::vector<RunSpectra>& runs, HtmlReport& page) {
                 .find("Shock response of " + nameGroup(run.shock_channels[i]), "natural frequency [Hz]",
                       "largest acceleration [g]", true)
                 .series.push_back({nameSeries(runs, run, run.shock_channels[i]), shock.frequency,
-                                   listOf(shock.maximax, findShownUnit(Quantity::acceleration).factor)});
+                                   listCurves(shock.maximax, findSpectrumUnit(Quantity::acceleration).factor)});
         }
     pictures.addTo(page, "Shock response spectrum");
 }

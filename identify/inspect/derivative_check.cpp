@@ -24,7 +24,7 @@ constexpr std::size_t kFirstBin = 4;  // the window's own spectrum spoils those 
 constexpr double kLargestRatio = 1.5;
 
 /// Spectra of Hann segments of a signal.
-std::vector<std::vector<Complex>> transform(const std::vector<double>& signal, std::size_t length) {
+std::vector<std::vector<Complex>> transformSegments(const std::vector<double>& signal, std::size_t length) {
     std::vector<double> block(length);
     std::vector<Complex> spectrum(length / 2 + 1);
     const FftwPlan plan(
@@ -45,7 +45,7 @@ std::vector<std::vector<Complex>> transform(const std::vector<double>& signal, s
 std::optional<double> calcRatio(const Channel& displacement, const Channel& acceleration, double interval) {
     std::size_t length = kLongestSegment;
     while (length > kShortestSegment && displacement.values.size() < (kLeastSegments + 1) * length / 2) length /= 2;
-    const auto q = transform(displacement.values, length), a = transform(acceleration.values, length);
+    const auto q = transformSegments(displacement.values, length), a = transformSegments(acceleration.values, length);
     if (q.size() < kLeastSegments) return std::nullopt;
     std::vector<double> ratios;
     for (std::size_t bin = kFirstBin; bin < length / 2; ++bin) {

@@ -37,9 +37,11 @@ void reportShorterFile(int) {
     endWith("this cannot be computed (an internal check failed); please report the command line and its files\n");
 }
 
+#ifndef WEMS_SANITIZED
 void reportSignal(int) {
     reportInternalError();
 }
+#endif
 
 }  // namespace
 }  // namespace wems
