@@ -134,7 +134,7 @@ bool isVisible(const HiddenCase& hidden, const std::vector<Pair>& alone, std::si
 bool isPredictable(HiddenCase& hidden) {
     MountModel heavier = hidden.truth;
     heavier.body.mass *= 1 + 1e-5;
-    for (const std::size_t r : {1, 2, 0}) {
+    for (const std::size_t r : {std::size_t{1}, std::size_t{2}, std::size_t{0}}) {
         hidden.amplification[r] =
             1e5 * calcChange(simulateRelative(hidden, heavier, r), simulateRelative(hidden, hidden.truth, r));
         if (!(hidden.amplification[r] < kChaotic)) return false;
