@@ -89,21 +89,31 @@ AxisForce::AxisForce(const AxisLaw& law) : law_(law), static_stiffness_(law.stif
         bristle_ = law.friction->presliding_stiffness.has_value();
         sliding_ = !bristle_;
     }
+    collectConstants();
+}
+
+void AxisForce::collectConstants() {
+    shape_ = {static_cast<int>(contacts_.size()), static_cast<int>(branches_.size()), sliding_, bristle_};
+    constants_ = {static_stiffness_, law_.stiffness * law_.drift, law_.cubic, law_.damping};
+    for (const Contact& stop : contacts_) {
+        constants_.insert(constants_.end(), {stop.direction, stop.direction * law_.offset - stop.clearance,
+                                             stop.direction * stop.stiffness, stop.direction * stop.dissipation});
+    }
+    if (sliding_) constants_.insert(constants_.end(), {friction_force_, 1 / transition_velocity_});
+    for (const MaxwellBranch& branch : branches_)
+        constants_.insert(constants_.end(), {branch.stiffness, 1 / branch.time_constant});
+    if (bristle_) {
+        // Without any sliding force the bristle never stretches.
+        const bool stretches = friction_force_ > 0;
+        constants_.insert(
+            constants_.end(),
+            {presliding_stiffness_, stretches ? friction_force_ / presliding_stiffness_ : 1.0, stretches ? 1.0 : 0.0});
+    }
 }
 
 double AxisForce::calcForce(double q, double v, double t, const double* z) const {
-    double f = (calcElastomerStiffness(t) + law_.cubic * q * q) * q + law_.damping * v;
-    for (const Contact& stop : contacts_) {
-        const double penetration = calcPenetration(stop, q);
-        if (penetration > 0) {
-            const double factor = 1 + stop.dissipation * stop.direction * v;
-            f += stop.direction * stop.stiffness * penetration * std::max(0.0, factor);
-        }
-    }
-    if (sliding_) f += friction_force_ * std::tanh(v / transition_velocity_);
-    for (const MaxwellBranch& branch : branches_) f += branch.stiffness * (q - *z++);
-    if (bristle_) f += presliding_stiffness_ * *z;
-    return f;
+    const auto closed = [](int, double penetration) { return penetration > 0 ? 1.0 : 0.0; };
+    return calcAxisForce(shape_, constants_.data(), closed, q, v, t, z);
 }
 
 double AxisForce::calcStiffness(double q, double v, double t, const double*) const {
@@ -168,10 +178,7 @@ double AxisForce::calcDissipatedPower(double q, double v, double, const double* 
 }
 
 void AxisForce::calcStateDerivative(double q, double v, const double* z, double* zdot) const {
-    for (const MaxwellBranch& branch : branches_) *zdot++ = (q - *z++) / branch.time_constant;
-    if (!bristle_) return;
-    // Without any sliding force the bristle never stretches.
-    *zdot = friction_force_ > 0 ? v - std::abs(v) * presliding_stiffness_ * *z / friction_force_ : 0.0;
+    calcAxisStateRates(shape_, constants_.data(), v < 0 ? -1.0 : 1.0, q, v, z, zdot);
 }
 
 double AxisForce::calcStaticForce(double q) const {

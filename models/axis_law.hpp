@@ -30,6 +30,8 @@
 #include <string>
 #include <vector>
 
+#include "models/axis_terms.hpp"
+
 namespace wems {
 
 enum class Side { positive, negative };
@@ -124,6 +126,10 @@ public:
 
     const std::vector<MaxwellBranch>& branches() const { return branches_; }
 
+    /// The law as models/axis_terms.hpp evaluates it.
+    const AxisShape& shape() const { return shape_; }
+    const std::vector<double>& constants() const { return constants_; }
+
 private:
     // A stop along its own direction: δ = direction · (q + o) − c.
     struct Contact {
@@ -136,7 +142,11 @@ private:
     // Static elastomer stiffness, drift included: the drift changes the static part by d t k.
     double calcElastomerStiffness(double t) const { return static_stiffness_ + law_.stiffness * law_.drift * t; }
 
+    void collectConstants();
+
     AxisLaw law_;
+    AxisShape shape_;
+    std::vector<double> constants_;
     std::vector<MaxwellBranch> branches_;
     std::vector<Contact> contacts_;
     double static_stiffness_ = 0;

@@ -104,7 +104,53 @@ bool followsRecordedFrame(const RunMotion& run, const MountModel& model, bool lo
     return !loaded;
 }
 
+/// Position and rotation by cubic Hermite polynomials, which both rows' velocities are the slopes of: exact where both
+/// lie between the same two samples, but for the rotation from the first row being taken as small.
+void interpolateFrame(const FrameRow& from, const FrameRow& to, double part, double h, FrameRow& between) {
+    const FrameMotion a = makeFrameMotion(from), b = makeFrameMotion(to);
+    const HermiteBasis value = calcHermite(part), slope = calcHermiteDerivative(part);
+    const Eigen::Vector3d turn = vectorFromRotation(b.R_GF * a.R_GF.transpose());
+    const Eigen::Vector3d turn_rate = leftJacobian(turn).inverse() * b.w_GF;
+    const Eigen::Vector3d turned = value.slope0 * h * a.w_GF + value.value1 * turn + value.slope1 * h * turn_rate;
+    FrameMotion motion;
+    motion.R_GF = rotationFromVector(turned) * a.R_GF;
+    motion.w_GF = leftJacobian(turned) * (slope.slope0 * a.w_GF + slope.value1 * turn / h + slope.slope1 * turn_rate);
+    motion.p_GF = value.value0 * a.p_GF + value.slope0 * h * a.v_GF + value.value1 * b.p_GF + value.slope1 * h * b.v_GF;
+    motion.v_GF = (slope.value0 * a.p_GF + slope.value1 * b.p_GF) / h + slope.slope0 * a.v_GF + slope.slope1 * b.v_GF;
+    between = makeFrameRow(motion);
+}
+
 }  // namespace
+
+FrameMotion makeFrameMotion(const FrameRow& row) {
+    FrameMotion motion;
+    motion.R_GF = Eigen::Map<const Eigen::Matrix3d>(row.R_GF);
+    motion.p_GF = Eigen::Map<const Eigen::Vector3d>(row.p_GF);
+    motion.w_GF = Eigen::Map<const Eigen::Vector3d>(row.w_GF);
+    motion.v_GF = Eigen::Map<const Eigen::Vector3d>(row.v_GF);
+    return motion;
+}
+
+FrameRow makeFrameRow(const FrameMotion& motion) {
+    FrameRow row{};
+    Eigen::Map<Eigen::Matrix3d>(row.R_GF) = motion.R_GF;
+    Eigen::Map<Eigen::Vector3d>(row.p_GF) = motion.p_GF;
+    Eigen::Map<Eigen::Vector3d>(row.w_GF) = motion.w_GF;
+    Eigen::Map<Eigen::Vector3d>(row.v_GF) = motion.v_GF;
+    return row;
+}
+
+DriveRows Drive::rows() const {
+    DriveRows rows;
+    if (load_.cols() > 0) rows.load = load_.data();
+    if (base_.cols() > 0) rows.base = base_.data();
+    if (!frames_.empty()) rows.frames = frames_.data();
+    rows.interpolate = interpolateFrame;
+    rows.elapsed = elapsedTime(0);
+    rows.half_step = 0.5 * grid_.step();
+    rows.count = grid_.halfSteps();
+    return rows;
+}
 
 TimeGrid makeGrid(const RunMotion& run, const MountModel& model) {
     TimeGrid grid;
@@ -152,12 +198,13 @@ Drive Drive::makeFixedMotion(const std::vector<double>& time, const PartMotion& 
         if (!at.inside) throw std::invalid_argument("Drive::makeFixedMotion: the grid leaves the recorded time");
         const HermiteBasis value = calcHermite(at.part);
         const HermiteBasis slope = calcHermiteDerivative(at.part);
-        FrameMotion& frame = drive.frames_[static_cast<std::size_t>(half)];
+        FrameMotion frame;
         const Eigen::Vector3d theta = combine(value, fixed.theta, rotation_rate, at.interval);
         frame.R_GF = rotationFromVector(theta);
         frame.p_GF = combine(value, fixed.p, velocity, at.interval);
         frame.v_GF = combine(slope, fixed.p, velocity, at.interval) / interval;
         frame.w_GF = leftJacobian(theta) * combine(slope, fixed.theta, rotation_rate, at.interval) / interval;
+        drive.frames_[static_cast<std::size_t>(half)] = makeFrameRow(frame);
     }
     return drive;
 }

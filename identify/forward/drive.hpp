@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "identify/forward/drive_rows.hpp"
 #include "identify/motion/motion.hpp"
 #include "models/bracket.hpp"
 #include "models/mount_model.hpp"
@@ -30,6 +31,9 @@ struct TimeGrid {
 
 /// The samples of a run with the steps that `model` needs between them.
 TimeGrid makeGrid(const RunMotion& run, const MountModel& model);
+
+FrameMotion makeFrameMotion(const FrameRow& row);
+FrameRow makeFrameRow(const FrameMotion& motion);
 
 class Drive {
 public:
@@ -60,8 +64,10 @@ public:
     const TimeGrid& grid() const { return grid_; }
     bool prescribesMotion() const { return !frames_.empty(); }
 
+    /// All tables as the integrator reads them; refers to this object.
+    DriveRows rows() const;
     /// Motion of F at a table row; prescribesMotion() only.
-    const FrameMotion& frame(int half) const { return frames_[static_cast<std::size_t>(half)]; }
+    FrameMotion frame(int half) const { return makeFrameMotion(frames_[static_cast<std::size_t>(half)]); }
     /// Its acceleration, by differences of the tabulated velocities; prescribesMotion() only.
     Bracket::FrameAcceleration calcFrameAcceleration(int half) const;
     /// Time since the start of the recording (s), which drift counts from.
@@ -78,7 +84,7 @@ private:
     Drive(const TimeGrid& grid, double origin) : grid_(grid), origin_(origin) {}
     TimeGrid grid_;
     double origin_;
-    std::vector<FrameMotion> frames_;
+    std::vector<FrameRow> frames_;
     Eigen::Matrix3Xd load_, base_, base_displacement_;
     Eigen::VectorXd frequency_;
 };

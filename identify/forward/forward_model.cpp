@@ -19,16 +19,6 @@ using ConstMap3 = Eigen::Map<const Eigen::Vector3d>;
 using Map = Eigen::Map<Vector>;
 using Map3 = Eigen::Map<Eigen::Vector3d>;
 
-Eigen::Matrix3d rotationFromQuaternion(const double* e) {
-    const double s = 2 / (e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3]);
-    const double xx = s * e[1] * e[1], yy = s * e[2] * e[2], zz = s * e[3] * e[3];
-    const double xy = s * e[1] * e[2], xz = s * e[1] * e[3], yz = s * e[2] * e[3];
-    const double wx = s * e[0] * e[1], wy = s * e[0] * e[2], wz = s * e[0] * e[3];
-    Eigen::Matrix3d R;
-    R << 1 - yy - zz, xy - wz, xz + wy, xy + wz, 1 - xx - zz, yz - wx, xz - wy, yz + wx, 1 - xx - yy;
-    return R;
-}
-
 /// A stop may touch at rest, where the offset exceeds its clearance.
 bool hasForceAtRest(const MountModel& model) {
     for (const Connection& connection : model.connections) {
@@ -43,26 +33,8 @@ bool hasForceAtRest(const MountModel& model) {
 SimulationDiverged::SimulationDiverged(double time)
     : std::runtime_error("the simulated motion grew beyond all bounds at " + std::to_string(time) + " s") {}
 
-struct ForwardModel::Forcing {
-    const Drive& drive;
-    Vector gain;  // of the load at all table rows; empty = 1
-
-    Eigen::Vector3d load(int half) const {
-        if (drive.load().cols() == 0) return Eigen::Vector3d::Zero();
-        return (gain.size() == 0 ? 1.0 : gain(half)) * drive.load().col(half);
-    }
-    Eigen::Vector3d base(int half) const {
-        if (drive.base().cols() == 0) return Eigen::Vector3d::Zero();
-        return drive.base().col(half);
-    }
-};
-
 ForwardModel::ForwardModel(MountModel model)
-    : model_(std::move(model)),
-      forces_(model_),
-      bracket_(model_.bracket),
-      guide_(model_.body),
-      inverse_inertia_(model_.body.inertia.inverse()) {
+    : model_(std::move(model)), forces_(model_), bracket_(model_.bracket), guide_(model_.body), kernel_(model_) {
     const Eigen::Index modes = modeCount();
     rest_displacement_ = Vector::Zero(3 * static_cast<Eigen::Index>(forces_.connectionCount()));
     if (model_.gravity.isZero() && !hasForceAtRest(model_)) {
@@ -97,7 +69,7 @@ Vector ForwardModel::calcGains(const Drive& drive) const {
 }
 
 Eigen::Index ForwardModel::stateSize(const Drive& drive) const {
-    return at_modes + (drive.prescribesMotion() ? 0 : 2 * modeCount()) + forces_.stateCount();
+    return kernel_.stateSize(drive.prescribesMotion());
 }
 
 void ForwardModel::pack(const ForwardState& state, const Drive& drive, double* y) const {
@@ -121,9 +93,17 @@ void ForwardModel::pack(const ForwardState& state, const Drive& drive, double* y
     Map(next, forces_.stateCount()) = state.internal;
 }
 
+Vector ForwardModel::packState(const ForwardState& state, const Drive& drive) const {
+    Vector y(stateSize(drive));
+    pack(state, drive, y.data());
+    return y;
+}
+
 BodyMotion ForwardModel::calcBody(const double* y) const {
     BodyMotion body;
-    body.R_GM = rotationFromQuaternion(y + at_quaternion);
+    body.R_GM = Eigen::Quaterniond(y[at_quaternion], y[at_quaternion + 1], y[at_quaternion + 2], y[at_quaternion + 3])
+                    .normalized()
+                    .toRotationMatrix();
     body.w_GM = body.R_GM * ConstMap3(y + at_angular);
     const Eigen::Vector3d arm = body.R_GM * model_.body.center_of_gravity;
     body.p_GM = ConstMap3(y + at_position) - arm;
@@ -147,81 +127,73 @@ ForwardState ForwardModel::unpack(const double* y, const Drive& drive) const {
     return state;
 }
 
-void ForwardModel::calcRates(const double* y, const Forcing& forcing, int half, double* rates) const {
-    const Eigen::Index modes = forcing.drive.prescribesMotion() ? 0 : modeCount();
-    const Eigen::Index at_internal = at_modes + 2 * modes;
-    const BodyMotion body = calcBody(y);
-    Bracket::Kinematics fixed;
-    if (modes > 0) {
-        fixed = bracket_.calcKinematics(ConstMap(y + at_modes, modes), ConstMap(y + at_modes + modes, modes));
-    } else if (forcing.drive.prescribesMotion()) {
-        fixed.motion = forcing.drive.frame(half);
-    }
-    Wrench on_mobile, on_fixed;
-    forces_.calc(body, fixed.motion, forcing.drive.elapsedTime(half), y + at_internal, on_mobile, on_fixed,
-                 rates + at_internal);
-    const Eigen::Vector3d load =
-        applyLoad(model_.load_point, body, fixed.motion, forcing.load(half), on_mobile, on_fixed);
+/// What the integration asks of held motions.
+class ForwardModel::Guides {
+public:
+    Guides(const ForwardModel& forward, const Drive& drive) : forward_(forward), drive_(drive) {}
 
-    const Eigen::Vector3d base = forcing.base(half);
-    const ConstMap3 w(y + at_angular);
-    const double* e = y + at_quaternion;
-    Map3(rates + at_position) = ConstMap3(y + at_velocity);
-    Eigen::Map<Eigen::Vector4d>(rates + at_quaternion) << -0.5 * (e[1] * w[0] + e[2] * w[1] + e[3] * w[2]),
-        0.5 * (e[0] * w[0] + e[2] * w[2] - e[3] * w[1]), 0.5 * (e[0] * w[1] + e[3] * w[0] - e[1] * w[2]),
-        0.5 * (e[0] * w[2] + e[1] * w[1] - e[2] * w[0]);
-    Map3(rates + at_velocity) = on_mobile.force / model_.body.mass + model_.gravity - base;
-    const Eigen::Vector3d arm = ConstMap3(y + at_position) - body.p_GM;
-    const Eigen::Vector3d moment = on_mobile.moment - arm.cross(on_mobile.force);
-    const Eigen::Vector3d momentum = model_.body.inertia * w + model_.body.spin;
-    Map3(rates + at_angular) = inverse_inertia_ * (body.R_GM.transpose() * moment - w.cross(momentum));
-
-    if (modes > 0) {
+    /// Accelerations with the guides' reactions. @param place in half steps
+    void correct(const double* y, const Forcing<double>& forcing, double place, double* rates) const {
+        const GuidedMotion& guide = forward_.guide_;
+        if (!guide.active()) return;
+        const Eigen::Index modes = drive_.prescribesMotion() ? 0 : forward_.modeCount();
+        const BodyMotion body = forward_.calcBody(y);
         const ConstMap eta(y + at_modes, modes), eta_dot(y + at_modes + modes, modes);
-        Map(rates + at_modes, modes) = eta_dot;
-        bracket_.calcAccelerations(fixed.jacobian, eta, eta_dot, on_fixed, load, base,
-                                   Map(rates + at_modes + modes, modes));
+        FrameMotion fixed;
+        Eigen::MatrixXd frame_jacobian(6, modes);
+        Vector6 frame_bias = Vector6::Zero();
+        if (modes > 0) {
+            const Bracket::Kinematics kinematics = forward_.bracket_.calcKinematics(eta, eta_dot);
+            fixed = kinematics.motion;
+            frame_jacobian = forward_.bracket_.calcFrameJacobian(kinematics.jacobian);
+            const Bracket::FrameAcceleration bias =
+                forward_.bracket_.calcAcceleration(eta, eta_dot, Vector::Zero(modes));
+            frame_bias << bias.linear, bias.angular;
+        } else if (drive_.prescribesMotion()) {
+            fixed = collectFrame(forcing);
+            const Bracket::FrameAcceleration bias = drive_.calcFrameAcceleration(static_cast<int>(std::lround(place)));
+            frame_bias << bias.linear, bias.angular;
+        }
+        // What is applied, from the accelerations that it would give the free body.
+        const MobileBody& mobile = forward_.model_.body;
+        const ConstMap3 w(y + at_angular);
+        const Eigen::Vector3d momentum = mobile.inertia * w + mobile.spin;
+        const Eigen::Vector3d moment = body.R_GM * (mobile.inertia * ConstMap3(rates + at_angular) + w.cross(momentum));
+        const Eigen::Vector3d force = mobile.mass * ConstMap3(rates + at_velocity);
+        const Vector6 acceleration = guide.calcAcceleration(body, fixed, frame_bias, {moment, force}, frame_jacobian,
+                                                            Map(rates + at_modes + modes, modes), 0);
+        Map3(rates + at_velocity) = acceleration.head<3>();
+        Map3(rates + at_angular) = body.R_GM.transpose() * acceleration.tail<3>();
     }
-    if (guide_.active())
-        guide(y, body, fixed, forcing, half, {moment, on_mobile.force + model_.body.mass * (model_.gravity - base)},
-              rates);
-}
 
-void ForwardModel::guide(const double* y, const BodyMotion& body, const Bracket::Kinematics& fixed,
-                         const Forcing& forcing, int half, const Wrench& applied, double* rates) const {
-    const Eigen::Index modes = forcing.drive.prescribesMotion() ? 0 : modeCount();
-    Eigen::MatrixXd frame_jacobian(6, modes);
-    Vector6 frame_bias = Vector6::Zero();
-    if (modes > 0) {
-        frame_jacobian = bracket_.calcFrameJacobian(fixed.jacobian);
-        const Bracket::FrameAcceleration bias = bracket_.calcAcceleration(
-            ConstMap(y + at_modes, modes), ConstMap(y + at_modes + modes, modes), Vector::Zero(modes));
-        frame_bias << bias.linear, bias.angular;
-    } else if (forcing.drive.prescribesMotion()) {
-        const Bracket::FrameAcceleration bias = forcing.drive.calcFrameAcceleration(half);
-        frame_bias << bias.linear, bias.angular;
+    void project(double* y, const Forcing<double>& forcing) const {
+        if (!forward_.guide_.active()) return;
+        ForwardState state = forward_.unpack(y, drive_);
+        FrameMotion fixed;
+        if (drive_.prescribesMotion()) {
+            fixed = collectFrame(forcing);
+        } else if (forward_.modeCount() > 0) {
+            fixed = forward_.bracket_.calcMotion(state.eta, state.eta_dot);
+        }
+        forward_.guide_.project(state.mobile, fixed);
+        forward_.pack(state, drive_, y);
     }
-    const Vector6 acceleration = guide_.calcAcceleration(body, fixed.motion, frame_bias, applied, frame_jacobian,
-                                                         Map(rates + at_modes + modes, modes), 0);
-    Map3(rates + at_velocity) = acceleration.head<3>();
-    Map3(rates + at_angular) = body.R_GM.transpose() * acceleration.tail<3>();
-}
 
-void ForwardModel::project(double* y, const Drive& drive, int half) const {
-    ForwardState state = unpack(y, drive);
-    guide_.project(state.mobile, calcFrame(y, drive, half));
-    pack(state, drive, y);
-}
-
-void ForwardModel::calcDisplacement(const double* y, const Drive& drive, int half, double* q) const {
-    const BodyMotion body = calcBody(y);
-    const FrameMotion frame = calcFrame(y, drive, half);
-    for (const Connection& connection : model_.connections) {
-        const Eigen::Vector3d& r = connection.position;
-        Map3{q} = frame.R_GF.transpose() * (body.p_GM + body.R_GM * r - frame.p_GF) - r;
-        q += 3;
+private:
+    static FrameMotion collectFrame(const Forcing<double>& forcing) {
+        FrameRow row{};
+        forcing.R_GF.x.store(row.R_GF);
+        forcing.R_GF.y.store(row.R_GF + 3);
+        forcing.R_GF.z.store(row.R_GF + 6);
+        forcing.p_GF.store(row.p_GF);
+        forcing.w_GF.store(row.w_GF);
+        forcing.v_GF.store(row.v_GF);
+        return makeFrameMotion(row);
     }
-}
+
+    const ForwardModel& forward_;
+    const Drive& drive_;
+};
 
 ForwardState ForwardModel::restState(const Drive& drive) const {
     if (!drive.prescribesMotion()) return rest_;
@@ -241,43 +213,35 @@ Simulation ForwardModel::simulate(const Drive& drive, const ForwardState& initia
     const TimeGrid& grid = drive.grid();
     if (first_sample < 0 || sample_count < 1 || first_sample + sample_count > grid.samples)
         throw std::invalid_argument("ForwardModel::simulate: samples outside the drive's grid");
-    const Forcing forcing{drive, calcGains(drive)};
-
+    const Vector gains = calcGains(drive);
     const Eigen::Index size = stateSize(drive);
-    Vector y(size), stage(size), k1(size), k2(size), k3(size), k4(size);
-    pack(initial, drive, y.data());
-    if (guide_.active()) project(y.data(), drive, grid.halfStepOf(first_sample));
+    const Vector initial_state = packState(initial, drive);
+    Vector last(size);
     Simulation result;
     result.first_sample = first_sample;
     result.q.resize(rest_displacement_.size(), sample_count);
+    LaneRun lane_run;
+    lane_run.initial = initial_state.data();
+    if (gains.size() > 0) lane_run.gain = gains.data();
+    lane_run.q = result.q.data();
+    lane_run.last = last.data();
     if (keep == Keep::states) {
         result.states.resize(size, sample_count);
         result.rates.resize(size, sample_count);
+        lane_run.states = result.states.data();
+        lane_run.rates = result.rates.data();
     }
-    const double h = grid.step();
-    int half = grid.halfStepOf(first_sample);
-    for (int sample = 0; sample < sample_count; ++sample) {
-        calcDisplacement(y.data(), drive, half, result.q.col(sample).data());
-        if (!std::isfinite(y.squaredNorm())) throw SimulationDiverged(grid.halfStepTime(half));
-        if (keep == Keep::states) {
-            result.states.col(sample) = y;
-            calcRates(y.data(), forcing, half, result.rates.col(sample).data());
-        }
-        if (sample + 1 == sample_count) break;
-        for (int step = 0; step < grid.steps_per_sample; ++step, half += 2) {
-            calcRates(y.data(), forcing, half, k1.data());
-            stage = y + (0.5 * h) * k1;
-            calcRates(stage.data(), forcing, half + 1, k2.data());
-            stage = y + (0.5 * h) * k2;
-            calcRates(stage.data(), forcing, half + 1, k3.data());
-            stage = y + h * k3;
-            calcRates(stage.data(), forcing, half + 2, k4.data());
-            y += (h / 6) * (k1 + 2 * (k2 + k3) + k4);
-            y.segment<4>(at_quaternion).normalize();
-            if (guide_.active()) project(y.data(), drive, half + 2);
-        }
+    const StepPlan plan = kernel_.makePlan(drive, first_sample, sample_count);
+    const MountKernel<double> kernel = kernel_.makeKernel(kernel_.constants().data(), drive.prescribesMotion());
+    std::vector<double> work(static_cast<std::size_t>(plan.workSize(kernel.connections)));
+    if (guide_.active()) {
+        Stepper<double, 1, Guides>(kernel, plan, Guides(*this, drive), &lane_run, work.data()).run();
+    } else {
+        Stepper<double, 1, NoGuides<double>>(kernel, plan, {}, &lane_run, work.data()).run();
     }
-    result.final_state = unpack(y.data(), drive);
+    if (lane_run.diverged_at >= 0) throw SimulationDiverged(grid.halfStepTime(lane_run.diverged_at));
+    result.final_state = unpack(last.data(), drive);
+    result.evaluations = lane_run.evaluations;
     return result;
 }
 

@@ -15,9 +15,10 @@
 /// Held motions of the mobile part (`[body] motion`) obey models/guided_motion.hpp: accelerations with the guides'
 /// reactions, and what the integration leaves in held directions is set to zero after each step.
 ///
-/// Method: classical Runge–Kutta of fourth order, fixed steps (identify/forward/step_size.hpp tells how long). Fixed
-/// steps make the result a smooth function of the parameters between contacts, which finite differences need. A stop
-/// that closes within a step is met to third order in that step.
+/// Method: classical Runge–Kutta of fourth order, fixed steps (identify/forward/step_size.hpp tells how long), each cut
+/// where a stop closes or opens or a bristle turns (identify/forward/stepper.hpp), so that it keeps its order there.
+/// The result is a smooth function of the parameters while the sequence of contacts stays, which finite differences
+/// need.
 ///
 /// Everything is const and without shared scratch memory: any number of threads may simulate with the same object.
 #pragma once
@@ -26,6 +27,7 @@
 #include <stdexcept>
 
 #include "identify/forward/drive.hpp"
+#include "identify/forward/kernel_model.hpp"
 #include "models/bracket.hpp"
 #include "models/guided_motion.hpp"
 #include "models/mount_forces.hpp"
@@ -56,6 +58,7 @@ struct Simulation {
     Eigen::MatrixXd q;              ///< relative displacement, F axes, m: row 3 i + axis of connection i
     Eigen::MatrixXd states, rates;  ///< in the forward model's own layout; Keep::states only
     ForwardState final_state;       ///< at the last column
+    long evaluations = 0;           ///< of the equations of motion
 };
 
 /// Motion of the connections' ends in G: row 3 i + axis of connection i; displacement from rest.
@@ -70,6 +73,13 @@ public:
     explicit ForwardModel(MountModel model);
 
     const MountModel& model() const { return model_; }
+
+    /// What an ensemble simulates several models with (identify/forward/ensemble.hpp).
+    const KernelModel& kernel() const { return kernel_; }
+    bool holdsMotions() const { return guide_.active(); }
+    Eigen::VectorXd packState(const ForwardState& state, const Drive& drive) const;
+    /// Factors of the load at all table rows; empty = 1. @throws InputError as simulate() does
+    Eigen::VectorXd calcGains(const Drive& drive) const;
 
     /// Static equilibrium: mobile part at rest, states relaxed.
     const ForwardState& restState() const { return rest_; }
@@ -100,12 +110,9 @@ public:
     double calcDissipatedPower(const Simulation& simulation, const Drive& drive, int column) const;
 
 private:
-    struct Forcing;  // what acts from outside, at all table rows
-    // Layout of the state: CoG position (G), quaternion (w x y z) of R_GM, CoG velocity (G), angular velocity (M),
-    // then modal coordinates, their rates, internal states of the connections.
-    static constexpr int at_position = 0, at_quaternion = 3, at_velocity = 7, at_angular = 10, at_modes = 13;
+    class Guides;  // held motions, as the integration asks for them
+    // Layout of the state: identify/forward/mount_kernel.hpp.
     Eigen::Index modeCount() const { return bracket_.modeCount(); }
-    Eigen::VectorXd calcGains(const Drive& drive) const;  // of the load at all table rows; empty = 1
     Eigen::Index stateSize(const Drive& drive) const;
     void pack(const ForwardState& state, const Drive& drive, double* y) const;
     ForwardState unpack(const double* y, const Drive& drive) const;
@@ -113,17 +120,12 @@ private:
     FrameMotion calcFrame(const double* y, const Drive& drive, int half) const;
     Bracket::FrameAcceleration calcFrameAcceleration(const double* y, const double* rates, const Drive& drive,
                                                      int half) const;
-    void guide(const double* y, const BodyMotion& body, const Bracket::Kinematics& fixed, const Forcing& forcing,
-               int half, const Wrench& applied, double* rates) const;
-    void project(double* y, const Drive& drive, int half) const;
-    void calcRates(const double* y, const Forcing& forcing, int half, double* rates) const;
-    void calcDisplacement(const double* y, const Drive& drive, int half, double* q) const;
 
     MountModel model_;
     MountForces forces_;
     Bracket bracket_;
     GuidedMotion guide_;
-    Eigen::Matrix3d inverse_inertia_;
+    KernelModel kernel_;
     ForwardState rest_;
     Eigen::VectorXd rest_displacement_;
 };

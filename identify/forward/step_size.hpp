@@ -16,19 +16,18 @@ FastestRates calcFastestRates(const MountModel& model);
 /// Steps of classical Runge–Kutta for each sample interval (s), at least one: at most 0.8 over the highest frequency
 /// and 1.5 over the highest damping rate (the method is stable up to 2.78).
 ///
-/// Measured on twelve sweeps of 17 to 40 s of four devices (highest frequency 151 to 178 Hz), relative RMS error of all
-/// relative displacements against 64 steps per sample:
+/// Of fourth order with stops as without (identify/forward/stepper.hpp). Largest error over the largest displacement
+/// against 64 or 128 steps per sample, two and a half seconds of a sweep whose stops are reached (single axis: 40 s
+/// through its resonance):
 ///
-///     step       no stop reached      stops reached
-///     1 ms       3e-4                 1.6e-2 … 1.2e-1
-///     0.625 ms   8e-5 … 1.5e-4        2.9e-3 … 1.8e-2
-///     0.5 ms     2e-5                 7e-4 … 6e-3
-///     0.3 ms     5e-6 … 9e-6          3e-4 … 2.8e-3
-///     0.08 ms    2e-8 … 4e-8          2e-5 … 3e-4
+///     step       cross, 30 m/s²    with bracket, 300 N    single axis, 1 m/s²
+///     1 ms       1.1e-2            6.4e-2                 4.8e-1
+///     0.5 ms     4.1e-4            3.3e-3                 1.7e-2
+///     0.33 ms    9.5e-5            5.4e-4                 2.5e-3
+///     0.25 ms    2.5e-5            1.6e-4                 6.6e-4
+///     0.125 ms   9.8e-7            9.6e-6                 3.4e-5
 ///
-/// Fourth order while no stop is reached; about second order with stops, as each closes within a step, and their errors
-/// are amplified by the motion itself. This choice gave 0.5 to 0.6 ms there. Two to four times the steps pay where deep
-/// contact is to be met to a thousandth.
+/// This choice gives 0.4 to 0.6 ms there. What the motion itself amplifies decides, not the contact alone.
 int chooseStepsPerSample(const MountModel& model, double interval);
 
 }  // namespace wems::identify

@@ -46,15 +46,16 @@ TEST_CASE("without contact the error falls with the fourth power of the step") {
     CHECK(std::log2(errors[2] / errors[3]) == Approx(4).margin(0.25));
 }
 
-TEST_CASE("with stops the error falls faster than the first power of the step") {
+TEST_CASE("with stops the error falls with the fourth power of the step") {
     MountModel model = makeDevice();
     for (Connection& connection : model.connections)
         connection.axis[2].stops = {{Side::positive, 2e-4, 8e5, 0.0}, {Side::negative, 2e-4, 8e5, 0.0}};
     const std::vector<double> errors = measureConvergence(model, 300);
     CAPTURE(errors[0], errors[1], errors[2], errors[3]);
-    CHECK(errors[0] < 5e-2);
-    CHECK(errors[3] < errors[0] / 8);
-    CHECK(errors[3] < 1e-3);
+    CHECK(errors[0] < 2e-2);
+    // Each kink has its own constant: about four in each halving, over all of them.
+    CHECK(std::log2(errors[0] / errors[3]) / 3 > 3.3);
+    CHECK(errors[3] < 1e-5);
 }
 
 TEST_CASE("the recorded motion of the fixed part drives the same run as the load did") {

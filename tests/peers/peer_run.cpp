@@ -70,7 +70,8 @@ Run runForward(const Plan& plan) {
         base.col(half) = plan.base_acceleration * plan.sweep->value(time.back());
     }
     const auto drive = identify::Drive::makeLoad(time, {}, base, grid);
-    return {identify::ForwardModel(plan.model).simulate(drive).q, 4L * grid.steps_per_sample * (grid.samples - 1)};
+    const identify::Simulation simulation = identify::ForwardModel(plan.model).simulate(drive);
+    return {simulation.q, simulation.evaluations};
 }
 
 Run runSimbody(const Plan& plan) {

@@ -1,0 +1,86 @@
+/// @file
+/// Several numbers side by side, one for each of the parameter sets that are simulated together. Arithmetic is of the
+/// compiler's vector types, so that it becomes whatever the instruction set of the source offers.
+#pragma once
+
+namespace wems::identify {
+
+inline double least(double a, double b) {
+    return a < b ? a : b;
+}
+inline double whereNegative(double test, double then, double otherwise) {
+    return test < 0 ? then : otherwise;
+}
+inline double lane(double x, int) {
+    return x;
+}
+inline void setLane(double& x, int, double value) {
+    x = value;
+}
+
+/// The vector types of g++ and clang.
+template <int lanes>
+struct PackValues;
+template <>
+struct PackValues<2> {
+    typedef double Type __attribute__((vector_size(16)));  // NOLINT(modernize-use-using): the attribute
+};
+template <>
+struct PackValues<4> {
+    typedef double Type __attribute__((vector_size(32)));  // NOLINT(modernize-use-using)
+};
+template <>
+struct PackValues<8> {
+    typedef double Type __attribute__((vector_size(64)));  // NOLINT(modernize-use-using)
+};
+
+template <int lanes>
+struct Pack {
+    using Values = typename PackValues<lanes>::Type;
+    Values v;
+
+    Pack() = default;
+    Pack(double x) : v(x - Values{}) {}  // NOLINT(google-explicit-constructor): constants in formulas
+    explicit Pack(const Values& values) : v(values) {}
+
+    friend Pack operator+(const Pack& a, const Pack& b) { return Pack(a.v + b.v); }
+    friend Pack operator-(const Pack& a, const Pack& b) { return Pack(a.v - b.v); }
+    friend Pack operator*(const Pack& a, const Pack& b) { return Pack(a.v * b.v); }
+    friend Pack operator/(const Pack& a, const Pack& b) { return Pack(a.v / b.v); }
+    friend Pack operator-(const Pack& a) { return Pack(-a.v); }
+    Pack& operator+=(const Pack& b) {
+        v += b.v;
+        return *this;
+    }
+    Pack& operator-=(const Pack& b) {
+        v -= b.v;
+        return *this;
+    }
+
+    friend Pack positivePart(const Pack& x) { return Pack(x.v > 0 ? x.v : Values{}); }
+    friend Pack least(const Pack& a, const Pack& b) { return Pack(a.v < b.v ? a.v : b.v); }
+    friend Pack whereNegative(const Pack& test, const Pack& then, const Pack& otherwise) {
+        return Pack(test.v < 0 ? then.v : otherwise.v);
+    }
+    friend double lane(const Pack& x, int i) { return x.v[i]; }
+    friend void setLane(Pack& x, int i, double value) { x.v[i] = value; }
+
+    // Where no vector function exists: one after the other.
+    template <class Function>
+    static Pack each(const Pack& x, const Function& function) {
+        Pack result;
+        for (int i = 0; i < lanes; ++i) result.v[i] = function(x.v[i]);
+        return result;
+    }
+    friend Pack reciprocalRoot(const Pack& x) {
+        return each(x, [](double s) { return 1 / __builtin_sqrt(s); });
+    }
+    friend Pack hyperbolicTangent(const Pack& x) {
+        return each(x, [](double s) { return __builtin_tanh(s); });
+    }
+    friend Pack decayedPart(const Pack& x) {
+        return each(x, [](double s) { return s > 0 ? -__builtin_expm1(-s) : s; });
+    }
+};
+
+}  // namespace wems::identify
