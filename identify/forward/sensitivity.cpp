@@ -1,21 +1,32 @@
 #include "identify/forward/sensitivity.hpp"
 
-#include <utility>
+#include <algorithm>
 
+#include "identify/forward/ensemble.hpp"
 #include "models/parameter_access.hpp"
 
 namespace wems::identify {
 namespace {
 
-Eigen::MatrixXd simulateWith(const MountModel& model, const std::string& name, double value, const Drive& drive,
-                             const ShootingWindow& window) {
-    MountModel changed = model;
-    setParameter(changed, name, value);
-    const ForwardModel forward(std::move(changed));
-    return forward
-        .simulate(drive, window.initial ? *window.initial : forward.restState(drive), window.first_sample,
-                  window.sample_count)
-        .q;
+// Parameters whose runs are kept at a time.
+constexpr std::size_t parameters_at_once = 16;
+
+/// The model with a parameter moved down and up.
+void addMoved(std::vector<MountModel>& models, const MountModel& model, const std::string& name, double step) {
+    const double value = getParameter(model, name);
+    for (const double moved : {value - step, value + step}) setParameter(models.emplace_back(model), name, moved);
+}
+
+std::vector<Eigen::MatrixXd> simulateAll(const std::vector<MountModel>& models, const Drive& drive,
+                                         const ShootingWindow& window) {
+    const ForwardEnsemble ensemble(models);
+    std::vector<ForwardState> initial;
+    for (std::size_t i = 0; i < ensemble.size(); ++i)
+        initial.push_back(window.initial ? *window.initial : ensemble.member(i).restState(drive));
+    std::vector<Eigen::MatrixXd> q = ensemble.simulate(drive, initial, window.first_sample, window.sample_count);
+    for (const Eigen::MatrixXd& run : q)
+        if (run.size() == 0) throw SimulationDiverged(drive.grid().sampleTime(window.first_sample));
+    return q;
 }
 
 }  // namespace
@@ -28,23 +39,26 @@ Eigen::MatrixXd calcJacobian(const MountModel& model, const Drive& drive, const 
                              const std::vector<std::string>& names, double fraction) {
     Eigen::MatrixXd jacobian(3 * static_cast<Eigen::Index>(model.connections.size()) * window.sample_count,
                              static_cast<Eigen::Index>(names.size()));
-    for (std::size_t j = 0; j < names.size(); ++j) {
-        const double value = getParameter(model, names[j]);
-        const double step = fraction * parameterScale(model, names[j]);
-        const Eigen::MatrixXd difference = simulateWith(model, names[j], value + step, drive, window) -
-                                           simulateWith(model, names[j], value - step, drive, window);
-        jacobian.col(static_cast<Eigen::Index>(j)) = difference.reshaped() / (2 * step);
+    for (std::size_t from = 0; from < names.size(); from += parameters_at_once) {
+        const std::size_t to = std::min(names.size(), from + parameters_at_once);
+        std::vector<MountModel> models;
+        for (std::size_t j = from; j < to; ++j)
+            addMoved(models, model, names[j], fraction * parameterScale(model, names[j]));
+        const std::vector<Eigen::MatrixXd> q = simulateAll(models, drive, window);
+        for (std::size_t j = from; j < to; ++j) {
+            const std::size_t down = 2 * (j - from);
+            jacobian.col(static_cast<Eigen::Index>(j)) =
+                (q[down + 1] - q[down]).reshaped() / (2 * fraction * parameterScale(model, names[j]));
+        }
     }
     return jacobian;
 }
 
 double calcAmplification(const MountModel& model, const Drive& drive, const std::string& name, double fraction) {
-    const ShootingWindow whole = makeWholeRun(drive);
-    const double value = getParameter(model, name);
-    const Eigen::MatrixXd base = simulateWith(model, name, value, drive, whole);
-    const double step = fraction * parameterScale(model, name);
-    const Eigen::MatrixXd moved = simulateWith(model, name, value + step, drive, whole);
-    return (moved - base).norm() / base.norm() / fraction;
+    std::vector<MountModel> models{model, model};
+    setParameter(models[1], name, getParameter(model, name) + fraction * parameterScale(model, name));
+    const std::vector<Eigen::MatrixXd> q = simulateAll(models, drive, makeWholeRun(drive));
+    return (q[1] - q[0]).norm() / q[0].norm() / fraction;
 }
 
 }  // namespace wems::identify

@@ -25,7 +25,7 @@ ShootingWindow makeWholeRun(const Drive& drive);
 /// the other) with respect to named parameters (models/parameter_access.hpp), per unit of the parameter.
 /// @param fraction of parameterScale() by which each parameter is moved both ways; 1e-5 keeps truncation and rounding
 ///     below 1e-5 of a column where nothing is amplified
-/// @throws InputError on a name that the model does not have, SimulationDiverged
+/// @throws InputError on a name that the model does not have, SimulationDiverged (with the window's first time)
 Eigen::MatrixXd calcJacobian(const MountModel& model, const Drive& drive, const ShootingWindow& window,
                              const std::vector<std::string>& names, double fraction = 1e-5);
 

@@ -1,0 +1,123 @@
+#include "identify/forward/ensemble.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "identify/forward/lanes.hpp"
+
+namespace wems::identify {
+namespace {
+
+/// Numbers that begin where the widest vectors may be read.
+class AlignedNumbers {
+public:
+    explicit AlignedNumbers(std::size_t count) : storage_(count + alignment / sizeof(double)) {
+        void* start = storage_.data();
+        std::size_t space = storage_.size() * sizeof(double);
+        begin_ = static_cast<double*>(std::align(alignment, count * sizeof(double), start, space));
+    }
+    double* data() { return begin_; }
+
+private:
+    static constexpr std::size_t alignment = 64;  // bytes
+    std::vector<double> storage_;
+    double* begin_;
+};
+
+/// One set on its way through a lane.
+struct Passenger {
+    const ForwardModel* model = nullptr;
+    Eigen::VectorXd initial, gains;
+    Eigen::MatrixXd q;
+};
+
+void runTogether(const LaneProgram& program, std::vector<Passenger>& passengers, const Drive& drive, int first_sample,
+                 int sample_count) {
+    const auto lanes = static_cast<std::size_t>(program.lanes);
+    const KernelModel& kernel = passengers.front().model->kernel();
+    const std::size_t count = kernel.constants().size();
+    AlignedNumbers constants(count * lanes);
+    std::vector<LaneRun> runs(lanes);
+    Eigen::MatrixXd unused = passengers.front().q;
+    for (std::size_t l = 0; l < lanes; ++l) {
+        // Lanes without a set repeat the first one.
+        const bool used = l < passengers.size();
+        Passenger& passenger = passengers[used ? l : 0];
+        const std::vector<double>& own = passenger.model->kernel().constants();
+        for (std::size_t i = 0; i < count; ++i) constants.data()[i * lanes + l] = own[i];
+        runs[l].initial = passenger.initial.data();
+        if (passenger.gains.size() > 0) runs[l].gain = passenger.gains.data();
+        runs[l].q = used ? passenger.q.data() : unused.data();
+    }
+    const StepPlan plan = kernel.makePlan(drive, first_sample, sample_count);
+    const MountKernel<double> structure = kernel.makeKernel<double>(nullptr, drive.prescribesMotion());
+    AlignedNumbers work(static_cast<std::size_t>(plan.workSize(structure.connections)) * lanes);
+    program.run(structure, plan, constants.data(), runs.data(), work.data());
+    for (std::size_t l = 0; l < passengers.size(); ++l)
+        if (runs[l].diverged_at >= 0) passengers[l].q.resize(0, 0);
+}
+
+}  // namespace
+
+LaneProgram chooseLaneProgram() {
+#ifdef WEMS_WIDE_LANES
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return {8, runEightLanes};
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {4, runFourLanes};
+#endif
+    return {2, runTwoLanes};
+}
+
+ForwardEnsemble::ForwardEnsemble(const std::vector<MountModel>& models) {
+    for (std::size_t i = 0; i < models.size(); ++i) {
+        members_.push_back(std::make_unique<ForwardModel>(models[i]));
+        const auto group = std::find_if(groups_.begin(), groups_.end(), [&](const std::vector<std::size_t>& indices) {
+            return members_[indices.front()]->kernel().sameStructure(members_[i]->kernel());
+        });
+        if (group == groups_.end() || members_[i]->holdsMotions()) {
+            groups_.push_back({i});
+        } else {
+            group->push_back(i);
+        }
+    }
+}
+
+std::vector<Eigen::MatrixXd> ForwardEnsemble::simulate(const Drive& drive) const {
+    std::vector<ForwardState> initial;
+    initial.reserve(size());
+    for (const auto& member : members_) initial.push_back(member->restState(drive));
+    return simulate(drive, initial, 0, drive.grid().samples);
+}
+
+std::vector<Eigen::MatrixXd> ForwardEnsemble::simulate(const Drive& drive, const std::vector<ForwardState>& initial,
+                                                       int first_sample, int sample_count) const {
+    if (initial.size() != size()) throw std::invalid_argument("ForwardEnsemble: one state for each set is needed");
+    if (first_sample < 0 || sample_count < 1 || first_sample + sample_count > drive.grid().samples)
+        throw std::invalid_argument("ForwardEnsemble::simulate: samples outside the drive's grid");
+    const LaneProgram program = chooseLaneProgram();
+    std::vector<Eigen::MatrixXd> result(size());
+    for (const std::vector<std::size_t>& group : groups_) {
+        if (group.size() == 1) {
+            const std::size_t index = group.front();
+            try {
+                result[index] = members_[index]->simulate(drive, initial[index], first_sample, sample_count).q;
+            } catch (const SimulationDiverged&) {
+                result[index].resize(0, 0);
+            }
+            continue;
+        }
+        for (std::size_t from = 0; from < group.size(); from += static_cast<std::size_t>(program.lanes)) {
+            const std::size_t to = std::min(group.size(), from + static_cast<std::size_t>(program.lanes));
+            std::vector<Passenger> passengers(to - from);
+            for (std::size_t i = from; i < to; ++i) {
+                const ForwardModel& model = *members_[group[i]];
+                passengers[i - from] = {&model, model.packState(initial[group[i]], drive), model.calcGains(drive),
+                                        Eigen::MatrixXd(model.restDisplacement().size(), sample_count)};
+            }
+            runTogether(program, passengers, drive, first_sample, sample_count);
+            for (std::size_t i = from; i < to; ++i) result[group[i]] = std::move(passengers[i - from].q);
+        }
+    }
+    return result;
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,10 @@
+#include "identify/forward/lanes.hpp"
+
+namespace wems::identify {
+
+void runTwoLanes(const MountKernel<double>& structure, const StepPlan& plan, const double* constants, LaneRun* runs,
+                 double* work) {
+    runLanes<2>(structure, plan, constants, runs, work);
+}
+
+}  // namespace wems::identify
