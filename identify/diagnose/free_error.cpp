@@ -8,6 +8,7 @@
 #include "identify/diagnose/fourier.hpp"
 #include "identify/diagnose/whitening.hpp"
 #include "identify/forward/forward_model.hpp"
+#include "identify/forward/initial_state.hpp"
 #include "models/axis_names.hpp"
 #include "models/bryant.hpp"
 #include "models/pi.hpp"
@@ -25,7 +26,8 @@ Eigen::MatrixXd simulate(const RunMotion& run, const MountModel& model) {
     TimeGrid grid = makeGrid(run, model);
     grid.steps_per_sample *= kFiner;
     const auto drive = Drive::make(run, model, grid);
-    Eigen::MatrixXd q = forward.simulate(drive).q;
+    const ForwardState initial = makeInitialState(forward, findStartMotion(run, model, drive), drive);
+    Eigen::MatrixXd q = forward.simulate(drive, initial, 0, grid.samples).q;
     q.colwise() -= forward.restDisplacement();
     return q;
 }
@@ -40,9 +42,9 @@ Eigen::MatrixXd highPass(const Eigen::MatrixXd& rows, double frequency, double i
     return fourier.inverse(spectra, static_cast<int>(rows.cols()));
 }
 
-/// Where a comparison begins: 0 but for accelerations alone.
+/// Where a comparison begins: 0, but where the motion of either part is integrated from accelerations alone.
 double lowestCompared(const RunMotion& run) {
-    return run.mobile.displacement_measured ? 0.0 : run.trusted_from;
+    return std::max(run.mobile.displacement_measured ? 0.0 : run.trusted_from, run.fixed_trusted_from);
 }
 
 }  // namespace
