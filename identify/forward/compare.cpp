@@ -110,7 +110,7 @@ std::string removeSlowMotionOfBoth(RelativeDisplacement& measured, RelativeDispl
                          "a load or base channel, or displacements");
     removeSlowMotion(measured, lowest);
     removeSlowMotion(simulated, lowest);
-    return "only accelerations were recorded: displacements are compared above " + formatNumber(0.6 * lowest, 3) +
+    return "only accelerations were recorded: displacements are compared above " + formatNumber(0.9 * lowest, 3) +
            " Hz";
 }
 

@@ -55,7 +55,7 @@ struct Comparison {
 };
 
 /// Compares at the measured samples of the common time range; the simulated ones are interpolated (cubic) where they
-/// do not coincide. Where either rests on accelerations alone, both are compared above 0.6 times the lowest excited
+/// do not coincide. Where either rests on accelerations alone, both are compared above 0.9 times the lowest excited
 /// frequency. Bands are half octaves of the swept frequency of the measured recording.
 /// @param model tells when a stop is touched (by the measured motion); may be null
 /// @throws InputError if the time ranges do not overlap or a measured channel is not in the simulated recording.

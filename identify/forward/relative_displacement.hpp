@@ -41,7 +41,8 @@ RelativeDisplacement calcRelativeDisplacement(const Recording& recording, const 
 /// @throws InputError if there is no channel of the mobile part, or a counterpart of one is missing.
 RelativeDisplacement calcRelativeDisplacement(const Recording& recording);
 
-/// Leaves what lies above 0.6 times `lowest_frequency` (zero-phase), as comparisons with accelerations do.
+/// Leaves what lies above 0.9 times `lowest_frequency`, fading out to 0.6 times it (zero-phase), as comparisons with
+/// accelerations do.
 void removeSlowMotion(RelativeDisplacement& displacement, double lowest_frequency);
 
 }  // namespace wems::identify

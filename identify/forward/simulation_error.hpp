@@ -15,6 +15,7 @@ struct PreparedRun {
     Drive drive;
     RelativeDisplacement measured;
     std::optional<StartMotion> start;  ///< empty: rest
+    bool fixed_integrated = false;     ///< the fixed part's motion is integrated from accelerations, and simulated
 };
 
 /// @param lowest_frequency Hz, lowest excited frequency; only used where the run rests on accelerations alone
@@ -22,7 +23,9 @@ struct PreparedRun {
 PreparedRun prepareRun(const RunMotion& run, const MountModel& model, double lowest_frequency);
 
 /// Free simulation from the run's start (rest, or the motion that it begins with), relative displacements from rest;
-/// filtered as the measured ones are.
+/// filtered as the measured ones are. Where those are integrated from accelerations, so is what the simulated ones
+/// would be recorded as: the kinks that contact leaves in accelerations fold into low frequencies at each sampling
+/// rate, which integration magnifies (2 % of the displacement at 1 kHz, falling with the rate squared).
 RelativeDisplacement simulateRun(const MountModel& model, const PreparedRun& run);
 
 /// The sums of squares, to be pooled over runs. @throws SimulationDiverged

@@ -20,6 +20,15 @@ std::size_t nextPowerOfTwo(std::size_t n) {
     return power;
 }
 
+// Periods of the lowest frequency over which the high pass rings.
+constexpr double ringing_periods = 8;
+
+/// Gain of the high pass: from 0 at 2/3 of `lowest` to 1 there as a raised cosine.
+double calcHighPassGain(double frequency, double lowest) {
+    const double ramp = std::clamp((frequency / lowest - 2.0 / 3) * 3, 0.0, 1.0);
+    return 0.5 - 0.5 * std::cos(kPi * ramp);
+}
+
 }  // namespace
 
 Spectrum calcSpectrum(const Eigen::VectorXd& signal, double interval, int segment) {
@@ -56,8 +65,9 @@ Spectrum calcSpectrum(const Eigen::VectorXd& signal, double interval, int segmen
 IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double interval, double lowest) {
     const auto samples = static_cast<std::size_t>(acceleration.size());
     // Padding long enough for what the high pass rings to die out before it wraps around.
-    const std::size_t length = nextPowerOfTwo(
-        samples + static_cast<std::size_t>(std::min(8 / (lowest * interval), 4.0 * static_cast<double>(samples))));
+    const std::size_t length =
+        nextPowerOfTwo(samples + static_cast<std::size_t>(std::min(ringing_periods / (lowest * interval),
+                                                                   4.0 * static_cast<double>(samples))));
     std::vector<double> signal(length, 0.0);
     std::copy(acceleration.data(), acceleration.data() + samples, signal.begin());
     std::vector<Complex> transform(length / 2 + 1), product(length / 2 + 1);
@@ -70,8 +80,7 @@ IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double inte
     for (const int order : {1, 2}) {
         for (std::size_t i = 0; i < product.size(); ++i) {
             const double f = static_cast<double>(i) / (static_cast<double>(length) * interval);
-            const double ramp = std::clamp((f / lowest - 2.0 / 3) * 3, 0.0, 1.0);
-            const double gain = 0.5 - 0.5 * std::cos(kPi * ramp);
+            const double gain = calcHighPassGain(f, lowest);
             const Complex s(0, kTwoPi * f);
             const Complex factor = gain == 0 ? Complex(0) : (order == 1 ? gain / s : gain / (s * s));
             product[i] = transform[i] * factor / static_cast<double>(length);
@@ -81,6 +90,31 @@ IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double inte
             Eigen::Map<const Eigen::VectorXd>(signal.data(), static_cast<Eigen::Index>(samples));
     }
     return result;
+}
+
+Eigen::VectorXd highPass(const Eigen::VectorXd& signal, double interval, double lowest) {
+    const Eigen::Index n = signal.size();
+    const Eigen::Index pad = std::min(n - 1, static_cast<Eigen::Index>(ringing_periods / (lowest * interval)));
+    const std::size_t length = nextPowerOfTwo(static_cast<std::size_t>(n + 2 * pad));
+    const double mean = signal.mean();
+    std::vector<double> values(length, 0.0);
+    for (Eigen::Index k = 0; k < pad; ++k) {
+        values[static_cast<std::size_t>(k)] = 2 * signal[0] - signal[pad - k] - mean;
+        values[static_cast<std::size_t>(n + pad + k)] = 2 * signal[n - 1] - signal[n - 2 - k] - mean;
+    }
+    for (Eigen::Index k = 0; k < n; ++k) values[static_cast<std::size_t>(pad + k)] = signal[k] - mean;
+    std::vector<Complex> transform(length / 2 + 1);
+    const FftwPlan forward(
+        fftw_plan_dft_r2c_1d(static_cast<int>(length), values.data(), asFftw(transform.data()), FFTW_ESTIMATE));
+    const FftwPlan backward(
+        fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(transform.data()), values.data(), FFTW_ESTIMATE));
+    fftw_execute(forward.get());
+    for (std::size_t i = 0; i < transform.size(); ++i) {
+        const double f = static_cast<double>(i) / (static_cast<double>(length) * interval);
+        transform[i] *= calcHighPassGain(f, lowest) / static_cast<double>(length);
+    }
+    fftw_execute(backward.get());
+    return Eigen::Map<const Eigen::VectorXd>(values.data() + pad, n);
 }
 
 SlowSignal keepSlowPart(const Eigen::VectorXd& signal, double interval, double pass, double stop) {

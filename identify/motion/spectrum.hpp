@@ -23,6 +23,9 @@ struct IntegratedSignal {
 /// the recording should begin and end at rest.
 IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double interval, double lowest);
 
+/// The signal through the high pass of integrateTwice, its mean removed. The ends are continued by point reflection.
+Eigen::VectorXd highPass(const Eigen::VectorXd& signal, double interval, double lowest);
+
 struct SlowSignal {
     Eigen::VectorXd x, rate;
 };

@@ -93,7 +93,7 @@ TEST_CASE("a missing channel is named, and the mobile part alone is compared whe
     CHECK(alone.notes.back().find("mobile part alone") != std::string::npos);
 }
 
-TEST_CASE("accelerations alone are compared as displacements above 0.6 times the lowest excited frequency") {
+TEST_CASE("accelerations alone are compared as displacements above 0.9 times the lowest excited frequency") {
     Recording measured;
     measured.file = "m.csv";
     for (int k = 0; k <= 8000; ++k) measured.time.push_back(1e-3 * k);
