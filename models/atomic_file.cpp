@@ -174,7 +174,10 @@ void AtomicFile::finish() {
     finished_ = true;
 }
 
+/// The lock keeps others from taking the name for a leftover before the file gets its own.
 void AtomicFile::nameNameless() {
+    removeLeftovers(target_);
+    ::flock(descriptor_, LOCK_EX | LOCK_NB);
     const std::string open_file = "/proc/self/fd/" + std::to_string(descriptor_);
     const std::string name = drawName(target_);
     if (::linkat(AT_FDCWD, open_file.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) != 0) fail(errno);

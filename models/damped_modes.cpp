@@ -115,7 +115,7 @@ std::vector<DampedMode> findDampedModes(const LinearSystem& system) {
         to(2 * n + s, 2 * n + s) = size > 0 ? size : 1;
         from(2 * n + s, 2 * n + s) = 1 / to(2 * n + s, 2 * n + s);
     }
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(from * makeStateMatrix(system) * to / unit);
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver((from * makeStateMatrix(system) * to / unit).eval());
 
     std::vector<std::pair<std::complex<double>, Eigen::VectorXcd>> poles;
     for (Eigen::Index j = 0; j < solver.eigenvalues().size(); ++j) {

@@ -84,7 +84,7 @@ Estimates solveBlocks(const Eigen::MatrixXd& X, const Eigen::VectorXd& y, const 
         meat += score * score.transpose();
     }
     meat *= static_cast<double>(e.blocks) / std::max(1.0, e.degrees_of_freedom);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> normal(scaled.transpose() * scaled);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> normal((scaled.transpose() * scaled).eval());
     Eigen::VectorXd inverse = normal.eigenvalues();
     bool deficient = false;
     for (auto& value : inverse) {

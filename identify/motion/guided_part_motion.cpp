@@ -8,6 +8,7 @@
 #include "identify/motion/differentiation.hpp"
 #include "identify/motion/fusion.hpp"
 #include "identify/motion/noise_estimate.hpp"
+#include "identify/motion/part_motion_limits.hpp"
 #include "identify/motion/rigid_fit.hpp"
 #include "identify/motion/spectrum.hpp"
 #include "identify/motion/swept_frequency.hpp"
@@ -18,26 +19,9 @@
 namespace wems::identify {
 namespace {
 
-// The same choices as for a part with six motions (part_motion.cpp).
-constexpr int max_passes = 10;
-constexpr double pass_tolerance = 1e-6;
-constexpr double integration_margin = 0.6;
-constexpr double sweep_margin = 3;
-constexpr double noise_floor = 1e-9;
-constexpr double least_displacement_noise = 1e-15, least_acceleration_noise = 1e-12;  // m, m/s²
 /// Gauss–Newton on the free coordinates: quadratic convergence, so that few steps reach rounding.
-constexpr int max_steps = 20;
-constexpr double step_tolerance = 1e-10;  // m, rad
-
-std::string formatHertz(double f) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.3g Hz", f);
-    return text;
-}
-
-double rms(const Eigen::MatrixXd& values) {
-    return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
-}
+constexpr int most_newton_steps = 20;
+constexpr double newton_tolerance = 1e-10;  // m, rad
 
 FrameMotion frameAt(const PartMotion& motion, Eigen::Index k) {
     return {rotationFromVector(motion.theta.col(k)), motion.p.col(k), motion.w.col(k), motion.v.col(k)};
@@ -64,7 +48,7 @@ public:
 
     /// Least squares for s, starting there. @param[out] residual weighted, one for each channel
     void solvePose(const FrameMotion& frame, Eigen::Index k, Vector6& s, Eigen::Ref<Eigen::VectorXd> residual) const {
-        for (int step = 0; step < max_steps; ++step) {
+        for (int step = 0; step < most_newton_steps; ++step) {
             const BodyMotion pose = composeMotion(frame, s, Vector6::Zero());
             const Eigen::MatrixXd rows = calcRows(pose.R_GM, frame.R_GF, s);
             for (Eigen::Index i = 0; i < rows.rows(); ++i) {
@@ -74,7 +58,7 @@ public:
             }
             const Eigen::VectorXd change = (rows.transpose() * rows).ldlt().solve(rows.transpose() * residual);
             add(change, s);
-            if (!(change.cwiseAbs().maxCoeff() > step_tolerance)) break;
+            if (!(change.cwiseAbs().maxCoeff() > newton_tolerance)) break;
         }
     }
 
@@ -131,7 +115,8 @@ private:
         Eigen::VectorXd scale(free);  // rotations as the displacement that they make
         for (Eigen::Index j = 0; j < free; ++j)
             scale[j] = guide_.free()[static_cast<std::size_t>(j)] < 3 ? 1 : 1 / length;
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * normal * scale.asDiagonal());
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+            (scale.asDiagonal() * normal * scale.asDiagonal()).eval());
         // As for six motions: noise of a lost one would be a thousand times that of a channel.
         const double limit = 1e-6 * std::max(solver.eigenvalues().maxCoeff(), 1e-300);
         for (Eigen::Index motion = 0; motion < free; ++motion) {
@@ -277,17 +262,17 @@ private:
         result_.motion.acceleration_noise = estimateNoise(acceleration_, residuals, second_);
         result_.motion.acceleration_calibration =
             estimateCalibration(acceleration_.channelSet(), residuals, std::nan(""));
-        return !(change > pass_tolerance * second_.cwiseAbs().maxCoeff());
+        return !(change > kPassTolerance * second_.cwiseAbs().maxCoeff());
     }
 
     void fuse() {
         const Eigen::MatrixXd measured = s_;
-        const double x_noise = std::max({result_.motion.displacement_noise, least_displacement_noise,
-                                         noise_floor * rms(measured.colwise() - rest_)});
+        const double x_noise = std::max({result_.motion.displacement_noise, kLeastDisplacementNoise,
+                                         kNoiseFloor * rms(measured.colwise() - rest_)});
         double a_noise = 0;
-        for (int pass = 0; pass < max_passes && !solveAccelerations(); ++pass) {
+        for (int pass = 0; pass < kMostPasses && !solveAccelerations(); ++pass) {
             a_noise =
-                std::max({result_.motion.acceleration_noise, least_acceleration_noise, noise_floor * rms(second_)});
+                std::max({result_.motion.acceleration_noise, kLeastAccelerationNoise, kNoiseFloor * rms(second_)});
             for (std::size_t j = 0; j < guide_.free().size(); ++j) {
                 const int i = guide_.free()[j];
                 const auto c = static_cast<Eigen::Index>(j);
@@ -308,7 +293,7 @@ private:
             const int i = guide_.free()[static_cast<std::size_t>(j)];
             coordinates.row(j) = (s_.row(i).array() - rest_[i]) / std::sqrt(displacement_.covariance()(j, j));
         }
-        const double cutoff = std::clamp(sweep_margin * findSweptFrequency(recording_).highest,
+        const double cutoff = std::clamp(kSweepMargin * findSweptFrequency(recording_).highest,
                                          findCutoff(coordinates, interval_), 0.25 / interval_);
         for (const int i : guide_.free()) {
             const Derivatives derivatives =
@@ -328,8 +313,8 @@ private:
         if (!(lowest > 0))
             throw InputError({recording_.file, 0, part_ == Part::mobile ? "mobile" : "fixed"},
                              "only accelerations, and nothing moves: no displacement can be derived");
-        result_.trusted_from = integration_margin * lowest;
-        for (int pass = 0; pass < max_passes && !solveAccelerations(); ++pass) {
+        result_.trusted_from = kIntegrationMargin * lowest;
+        for (int pass = 0; pass < kMostPasses && !solveAccelerations(); ++pass) {
             for (const int i : guide_.free()) {
                 const IntegratedSignal integral =
                     integrateTwice(second_.row(i).transpose(), interval_, result_.trusted_from);

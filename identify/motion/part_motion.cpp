@@ -7,6 +7,7 @@
 #include "identify/motion/differentiation.hpp"
 #include "identify/motion/fusion.hpp"
 #include "identify/motion/noise_estimate.hpp"
+#include "identify/motion/part_motion_limits.hpp"
 #include "identify/motion/rigid_fit.hpp"
 #include "identify/motion/rotation_rates.hpp"
 #include "identify/motion/spectrum.hpp"
@@ -19,33 +20,10 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-/// Passes over the centripetal terms; each gains two to four digits.
-constexpr int max_passes = 10;
-/// What a pass may still change of the centripetal acceleration, relative to the largest angular acceleration.
-constexpr double pass_tolerance = 1e-6;
-/// Displacements from accelerations count from this part of the lowest excited frequency on.
-constexpr double integration_margin = 0.6;
-/// Differentiated displacements keep at least this many times the highest excited frequency: the gain there is 0.9986.
-constexpr double sweep_margin = 3;
 /// Rotations beyond this (rad), got by integration, are a sign of drift or of wrong units.
 constexpr double largest_rotation = 1.6;
-/// No measurement is better than this part of its own RMS: keeps weights finite for noise-free data.
-constexpr double noise_floor = 1e-9;
-/// Of channels that are zero throughout (m, m/s²): a part that stands still is not weighed by 0/0.
-constexpr double least_displacement_noise = 1e-15, least_acceleration_noise = 1e-12;
-
 const char* nameOf(Part part) {
     return part == Part::mobile ? "mobile part" : "fixed part";
-}
-
-std::string formatHertz(double f) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.3g Hz", f);
-    return text;
-}
-
-double rms(const Eigen::Matrix3Xd& values) {
-    return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
 /// Noise of one channel: from the redundancy of the fit, otherwise from what varies fast in the origin's motion.
@@ -164,7 +142,7 @@ private:
     bool hasConverged(const Eigen::Matrix3Xd& w_before) const {
         const PartMotion& motion = result_.motion;
         const double change = (motion.w - w_before).cwiseAbs().maxCoeff() * motion.w.cwiseAbs().maxCoeff();
-        return !(change > pass_tolerance * motion.alpha.cwiseAbs().maxCoeff());
+        return !(change > kPassTolerance * motion.alpha.cwiseAbs().maxCoeff());
     }
 
     Eigen::Matrix3Xd calcVectorAccelerations(const Eigen::Matrix3Xd& rate) const {
@@ -182,13 +160,13 @@ private:
         motion.w = rate;
         const Vector6 x_unit = displacement_.calcUnitDeviations(), a_unit = acceleration_.calcUnitDeviations();
         const double x_noise = std::max(
-            {motion.displacement_noise, least_displacement_noise, noise_floor * rms(motion.p.colwise() - rest_.p_GM)});
+            {motion.displacement_noise, kLeastDisplacementNoise, kNoiseFloor * rms(motion.p.colwise() - rest_.p_GM)});
         double a_noise = 0;
         Eigen::MatrixXd residuals;
-        for (int pass = 0; pass < max_passes; ++pass) {
+        for (int pass = 0; pass < kMostPasses; ++pass) {
             solveAccelerations(&residuals);
             motion.acceleration_noise = estimateNoise(acceleration_, residuals, motion.a);
-            a_noise = std::max({motion.acceleration_noise, least_acceleration_noise, noise_floor * rms(motion.a)});
+            a_noise = std::max({motion.acceleration_noise, kLeastAccelerationNoise, kNoiseFloor * rms(motion.a)});
             const Eigen::Matrix3Xd second = calcVectorAccelerations(rate);
             for (int i = 0; i < 3; ++i) {
                 const FusedSignal fused =
@@ -223,7 +201,7 @@ private:
         Eigen::MatrixXd coordinates(6, samples);
         coordinates.topRows(3) = (motion.p.colwise() - rest_.p_GM).array().colwise() / unit.head<3>().array();
         coordinates.bottomRows(3) = motion.theta.array().colwise() / unit.tail<3>().array();
-        const double cutoff = std::clamp(sweep_margin * findSweptFrequency(recording_).highest,
+        const double cutoff = std::clamp(kSweepMargin * findSweptFrequency(recording_).highest,
                                          findCutoff(coordinates, interval_), 0.25 / interval_);
         Eigen::MatrixXd first(6, samples), second(6, samples);
         for (int i = 0; i < 6; ++i) {
@@ -255,14 +233,14 @@ private:
         if (!(lowest > 0))
             throw InputError({recording_.file, 0, nameOf(part_)},
                              "only accelerations, and nothing moves: no displacement can be derived");
-        result_.trusted_from = integration_margin * lowest;
+        result_.trusted_from = kIntegrationMargin * lowest;
         const Eigen::Vector3d rest_vector = vectorFromRotation(rest_.R_GM);
         motion.p = rest_.p_GM.replicate(1, samples);
         motion.theta = rest_vector.replicate(1, samples);
         motion.v = motion.w = Eigen::Matrix3Xd::Zero(3, samples);
         Eigen::Matrix3Xd rate = motion.w;
         Eigen::MatrixXd residuals;
-        for (int pass = 0; pass < max_passes; ++pass) {
+        for (int pass = 0; pass < kMostPasses; ++pass) {
             solveAccelerations(&residuals);
             const Eigen::Matrix3Xd second = calcVectorAccelerations(rate);
             for (int i = 0; i < 3; ++i) {
@@ -324,7 +302,7 @@ PartEstimate estimateTranslation(const Recording& recording, const Eigen::Matrix
     motion.a = acceleration;
     motion.acceleration_noise = motion.displacement_noise = std::nan("");
     estimate.trusted_to = 0.25 / recording.sampleInterval();
-    estimate.trusted_from = integration_margin * lowest;
+    estimate.trusted_from = kIntegrationMargin * lowest;
     if (lowest > 0) {
         for (int i = 0; i < 3; ++i) {
             const IntegratedSignal integral =

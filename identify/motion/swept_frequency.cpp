@@ -65,7 +65,7 @@ Drive findDrive(const Recording& recording) {
             values.col(static_cast<Eigen::Index>(i)) =
                 Eigen::Map<const Eigen::VectorXd>(channels[i]->values.data(), samples);
         values.rowwise() -= values.colwise().mean().eval();
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(values.transpose() * values);
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver((values.transpose() * values).eval());
         if (!(solver.eigenvalues().tail<1>()[0] > 0)) continue;
         Drive drive;
         drive.signal = values * solver.eigenvectors().rightCols<1>();

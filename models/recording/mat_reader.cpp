@@ -200,12 +200,15 @@ MatTable tabulateMat(MatFile content, const std::string& file) {
     return result;
 }
 
-RecordingTable readMat(const std::string& file, bool hdf5) {
-    MatTable read = tabulateMat(hdf5 ? readSeparately(file, "HDF5", [&file] { return readHdf5File(file); })
-                                     : readSeparately(file, "matio", [&file] { return readMatFile(file); }),
-                                file);
+RecordingTable takeValues(MatTable read) {
     for (const MatSeries& series : read.series) read.table.values.push_back(series.read(0, series.sampleCount()));
     return std::move(read.table);
+}
+
+RecordingTable readMat(const std::string& file, bool hdf5) {
+    return takeValues(tabulateMat(hdf5 ? readSeparately(file, "HDF5", [&file] { return readHdf5File(file); })
+                                       : readSeparately(file, "matio", [&file] { return readMatFile(file); }),
+                                  file));
 }
 
 }  // namespace wems

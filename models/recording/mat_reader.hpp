@@ -40,6 +40,10 @@ struct MatTable {
 /// @throws InputError: there is none
 MatTable tabulateMat(MatFile content, const std::string& file);
 
+/// The table with the values of all its series.
+/// @throws InputError: damaged
+RecordingTable takeValues(MatTable read);
+
 /// @param hdf5 true for version 7.3 and other HDF5 files
 /// @throws InputError
 RecordingTable readMat(const std::string& file, bool hdf5);

@@ -116,6 +116,16 @@ TEST_CASE("What a killed run left is removed by the next one, not what a run tha
     CHECK(folder.read("out") == "first");
 }
 
+TEST_CASE("What a run left that was killed between naming a file and moving it is removed by the next one") {
+    const Folder folder;
+    folder.write(".out.abcdefgh.part", "of a run that was killed");
+    AtomicFile file(folder / "out");
+    file.write("new");
+    file.commit();
+    CHECK(folder.read("out") == "new");
+    CHECK(folder.list() == Names{"out"});
+}
+
 TEST_CASE("A symbolic link stays, what it points at is replaced") {
     const Folder folder;
     fs::create_directory(folder / "far");

@@ -3,7 +3,7 @@
 A command must answer or refuse: exit status 0, 1 or 2; with 2 one line on standard error, no file left and no text of an
 exception; no signal; within 60 s of processor time.
 
-    run_odd_inputs.py IDENTIFY SIMULATE MODELS [--seed N] [--recordings N] [--models N] [--keep FOLDER] [--skip COMMAND …]
+    run_odd_inputs.py IDENTIFY SIMULATE MODELS [--seed N] [--recordings N] [--models N] [--keep FOLDER] [--skip COMMAND …] [--only COMMAND …]
 
 prints its seed, one line for each failure and the figures; exit status 1 if there is a failure.
 """
@@ -29,7 +29,7 @@ EXCEPTION = re.compile(r"std::|terminate|what\(\)|[Aa]ssert|internal error|basic
 def run(arguments, folder):
     """Exit status, standard error, seconds of processor time; status None where the limit is exceeded."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (2 * LIMIT, 2 * LIMIT))  # two threads
+    limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (2 * LIMIT, 2 * LIMIT + 5))  # two threads; SIGXCPU first
     try:
         done = subprocess.run(arguments, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                               stderr=subprocess.PIPE, timeout=10 * LIMIT, preexec_fn=limit)
@@ -119,6 +119,7 @@ def main():
     parser.add_argument("--models", dest="model_count", type=int, default=200)
     parser.add_argument("--keep", help="folder for inputs that failed")
     parser.add_argument("--skip", nargs="*", default=[])
+    parser.add_argument("--only", nargs="*", default=[])
     arguments = parser.parse_args()
     print("seed", arguments.seed)
     runs = refused = failures = 0
@@ -144,7 +145,7 @@ def main():
                 (folder / file).write_bytes(data)
             before = set(os.listdir(folder))
             for command, words in commands.items():
-                if command in arguments.skip:
+                if command in arguments.skip or arguments.only and command not in arguments.only:
                     continue
                 status, errors, seconds = run(words, folder)
                 left = sorted(set(os.listdir(folder)) - before)

@@ -176,3 +176,16 @@ TEST_CASE("a run that would take too long ends within seconds, with the law that
                                  Catch::Contains("accepted: a shorter run"));
     CHECK(folder.list() == std::vector<std::string>{"stiff.toml"});
 }
+
+TEST_CASE("a random run that no memory holds is refused before the work") {
+    const TemporaryDirectory folder;
+    const auto shown = runProgram(
+        SIMULATE_PROGRAM,
+        {single_axis, "--random", "5:500:1e5", "--base-acceleration", "z=1", "-o", "run.csv", "--time-limit", "1"},
+        folder.path());
+    CAPTURE(shown.errors);
+    CHECK(shown.exit_status == 2);
+    CHECK_THAT(shown.errors,
+               Catch::Contains("GB of memory, this computer has") && Catch::Contains("accepted: a shorter run"));
+    CHECK(folder.list().empty());
+}
