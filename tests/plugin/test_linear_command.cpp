@@ -42,7 +42,7 @@ Json runJson(const TemporaryDirectory& folder, std::vector<std::string> argument
 
 }  // namespace
 
-TEST_CASE("--modes: the contract's keys, sag and clearance left by hand") {
+TEST_CASE("modes: the contract's keys, sag and clearance left by hand") {
     const TemporaryDirectory folder;
     writeOscillator(folder, 20);
     const Json result = runJson(folder, {"oscillator.toml", "--modes", "--report", "modes.html"});
@@ -64,7 +64,7 @@ TEST_CASE("--modes: the contract's keys, sag and clearance left by hand") {
     CHECK(folder.list() == std::vector<std::string>{"modes.html", "oscillator.toml"});
 }
 
-TEST_CASE("--frf and --modes --psd: curves as JSON and CSV") {
+TEST_CASE("transfer functions and random response: curves as JSON and CSV") {
     const TemporaryDirectory folder;
     writeOscillator(folder, 20);
     writeFile(folder, "psd.csv", "frequency [Hz],psd [g^2/Hz]\n5,0.001\n100,0.001\n");

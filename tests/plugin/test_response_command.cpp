@@ -85,7 +85,7 @@ TEST_CASE("response curves agree with time integration, in contact too") {
     }
 }
 
-TEST_CASE("--response: levels, units, files") {
+TEST_CASE("response curves: levels, units, files") {
     const TemporaryDirectory folder;
     const auto result =
         runProgram(SIMULATE_PROGRAM,
