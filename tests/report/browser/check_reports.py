@@ -19,6 +19,7 @@ import sys
 import time
 from pathlib import Path
 
+from check_saving import check_saving
 from make_reports import make_reports
 
 SKIPPED = 77
@@ -369,6 +370,7 @@ def main():
             if name == TRIED:
                 check_zoom(browser, name, checks)
                 check_legend(browser, name, checks)
+                check_saving(browser, name, arguments.out, checks, read_plots(page))
                 check_scene(browser, name, arguments.out, checks)
             titles = [caption.text for caption in find(browser, "figcaption")]
             for title in EXPECTED.get(name, []):
