@@ -16,7 +16,7 @@ namespace {
 using FaultKind = MeasurementFault::Kind;
 
 constexpr double kConsistent = 1.6;      // misfit that small errors explain
-constexpr double kSmallest = 0.3;        // nothing is sought below
+constexpr double kSmallest = 1.1;        // misfit of small errors: nothing is sought below
 constexpr double kConsistentGain = 0.5;  // of a misfit that small errors might explain, which a fault has to take away
 constexpr double kSolved = 4;            // misfit above which the faults found are not to be trusted
 constexpr double kLeastGain = 0.15;      // of the misfit that a fault has to take away

@@ -262,7 +262,9 @@ FaultyRun drawFaultyRun(int count, Random& random) {
     if (shaken) addTriaxes({"base"}, "a", applied, kAccelerationNoise, random, run.recording);
     const Recording clean = run.recording;
     std::vector<std::string> names = listChecked(clean);
-    while (static_cast<int>(run.planted.size()) < count) {
+    // Few channels may leave no room for another fault.
+    constexpr int kMostDraws = 1000;
+    for (int draw = 0; draw < kMostDraws && static_cast<int>(run.planted.size()) < count; ++draw) {
         const bool drifts = std::any_of(run.planted.begin(), run.planted.end(),
                                         [](const PlantedFault& fault) { return fault.kind == Kind::clock_drift; });
         const PlantedFault fault = drawFault(listChecked(clean), !drifts, random);

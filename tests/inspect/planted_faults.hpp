@@ -29,7 +29,8 @@ struct FaultyRun {
 /// 0.5°, places 0.5 mm, noise.
 /// Planted are `count` faults on channels of their own: a wrong unit (one channel, or a whole sensor), a wrong sign,
 /// two channels exchanged, a delay of 2 to 10 ms, one clock that drifts by 2e-4 to 1e-3. A fault that changes its
-/// channels by less than a fifth of their signal, or by less than 5 % of a typical channel's, is drawn again.
+/// channels by less than a fifth of their signal, or by less than 5 % of a typical channel's, is drawn again; where
+/// channels run out there are fewer.
 FaultyRun drawFaultyRun(int count, hidden::Random& random);
 
 struct FaultScore {
