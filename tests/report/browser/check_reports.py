@@ -27,6 +27,7 @@ LARGEST_PAGE = 10e6  # bytes
 WIDTHS = (1280, 390)
 TRIED = "fit"  # the page whose controls are used; on the others they come from the same code
 EXPECTED = {  # beginnings of titles
+    "simulate": ["Envelope: relative displacement z", "Envelope: connection force z", "Mobile part, acceleration z"],
     "fit": ["Singular values", "Restoring force at 1.x", "Restoring force at 4.z", "Restoring force surface at",
             "Unexplained force", "Unexplained moment", "Spectrum of the force", "Autocorrelation"],
     "diagnose": ["Restoring force at 4.z", "Restoring force surface at", "Envelope of the motion", "Amplitude of order 3"],
