@@ -74,6 +74,7 @@ DeviceMotion Device::calcMotion(const SimTK::State& state) const {
              motion.base + A_GF.linear + A_GF.angular.cross(r_F) + fixed.w_GF.cross(fixed.w_GF.cross(r_F))});
         motion.relative.push_back(calcRelativeMotion(mobile, fixed, r));
     }
+    motion.force = force_.calcConnectionForces(state);
     return motion;
 }
 

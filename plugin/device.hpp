@@ -25,6 +25,7 @@ struct PointMotion {
 struct DeviceMotion {
     std::vector<PointMotion> mobile, fixed;  ///< both ends of each connection
     std::vector<RelativeMotion> relative;    ///< of each connection, F axes
+    Eigen::Matrix3Xd force;                  ///< N, of each connection, F axes, sign of the relative displacement
     Eigen::Vector3d load;                    ///< N, as commanded or recorded (the model's load correction not applied)
     Eigen::Vector3d base;                    ///< m/s²
 };

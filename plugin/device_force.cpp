@@ -111,6 +111,12 @@ public:
         return state_.getValues(state).bracket.calcMotion(ConstMap(z, modes_), ConstMap(z + modes_, modes_));
     }
 
+    Eigen::Matrix3Xd calcConnectionForces(const SimTK::State& state) const {
+        return state_.getValues(state).laws.calcConnectionForces(calcFrameMotion(mobile_, SimTK::Transform(), state),
+                                                                 calcFixedMotion(state), state.getTime(),
+                                                                 state_.getZ(state) + 2 * modes_);
+    }
+
     const ElementState<DeviceValues>& elementState() const { return state_; }
     int modeCount() const { return modes_; }
     int lawStateCount() const { return state_.count() - 2 * modes_ - 1; }
@@ -241,6 +247,10 @@ Bracket::FrameAcceleration DeviceForce::calcFixedAcceleration(const SimTK::State
     const auto& device = getDevice(getImplementation());
     return device.elementState().getValues(state).bracket.calcAcceleration(getEta(state), getEtaDot(state),
                                                                            getEtaDotDot(state));
+}
+
+Eigen::Matrix3Xd DeviceForce::calcConnectionForces(const SimTK::State& state) const {
+    return getDevice(getImplementation()).calcConnectionForces(state);
 }
 
 double DeviceForce::getDissipatedEnergy(const SimTK::State& state) const {

@@ -54,6 +54,9 @@ public:
     FrameMotion calcFixedMotion(const SimTK::State& state) const;
     Bracket::FrameAcceleration calcFixedAcceleration(const SimTK::State& state) const;
 
+    /// Forces f of each connection, F axes, sign of q: 3 x connections, N.
+    Eigen::Matrix3Xd calcConnectionForces(const SimTK::State& state) const;
+
     /// J, from the start.
     double getDissipatedEnergy(const SimTK::State& state) const;
 

@@ -170,6 +170,7 @@ void Recorder::handOn(std::size_t rows) {
 }
 
 void Recorder::watchStops(const DeviceMotion& motion, double time) {
+    if (observer_) observer_(time, motion);
     for (LargestDisplacement& largest : largest_) {
         const double q = motion.relative[static_cast<std::size_t>(largest.connection)].q[largest.axis];
         if (std::abs(q) > std::abs(largest.value)) {

@@ -72,6 +72,9 @@ public:
     /// Called at each sample with its time, s.
     void setProgress(std::function<void(double)> progress) { progress_ = std::move(progress); }
 
+    /// Called at each sample with its time, s, and the motion that sensors without delay could see.
+    void setObserver(std::function<void(double, const DeviceMotion&)> observer) { observer_ = std::move(observer); }
+
     /// Takes one report at the state's time; the reporter calls it.
     void takeSample(const SimTK::State& state);
     double findNextTime(double time, bool include_current) const;
@@ -107,6 +110,7 @@ private:
     std::vector<StopContact> contacts_;
     std::vector<LargestDisplacement> largest_;
     std::function<void(double)> progress_;
+    std::function<void(double, const DeviceMotion&)> observer_;
 };
 
 }  // namespace wems::plugin

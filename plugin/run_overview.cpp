@@ -11,18 +11,24 @@ RunOverview::RunOverview(const Recording& header, std::size_t samples)
 }
 
 void RunOverview::add(const Recording& rows) {
+    std::vector<double> values(channels_.size());
     for (std::size_t k = 0; k < rows.time.size(); ++k) {
-        for (std::size_t c = 0; c < channels_.size(); ++c) {
-            const Extreme sample{rows.time[k], rows.channels[c].values[k]};
-            Stretch& stretch = present_[c];
-            if (filled_ == 0) stretch = {sample, sample};
-            if (sample.value < stretch.lowest.value) stretch.lowest = sample;
-            if (sample.value > stretch.highest.value) stretch.highest = sample;
-        }
-        if (++filled_ < length_) continue;
-        for (std::size_t c = 0; c < channels_.size(); ++c) close(c);
-        filled_ = 0;
+        for (std::size_t c = 0; c < channels_.size(); ++c) values[c] = rows.channels[c].values[k];
+        add(rows.time[k], values);
     }
+}
+
+void RunOverview::add(double time, const std::vector<double>& values) {
+    for (std::size_t c = 0; c < channels_.size(); ++c) {
+        const Extreme sample{time, values[c]};
+        Stretch& stretch = present_[c];
+        if (filled_ == 0) stretch = {sample, sample};
+        if (sample.value < stretch.lowest.value) stretch.lowest = sample;
+        if (sample.value > stretch.highest.value) stretch.highest = sample;
+    }
+    if (++filled_ < length_) return;
+    for (std::size_t c = 0; c < channels_.size(); ++c) close(c);
+    filled_ = 0;
 }
 
 void RunOverview::close(std::size_t channel) {

@@ -22,6 +22,8 @@ public:
     /// @param samples of the whole run
     RunOverview(const Recording& header, std::size_t samples);
     void add(const Recording& rows);
+    /// One row, a value for each channel.
+    void add(double time, const std::vector<double>& values);
     /// nullptr if there is no such channel.
     const ThinnedChannel* find(const std::string& name) const;
 

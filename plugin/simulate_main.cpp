@@ -202,6 +202,9 @@ void run(const SimulateOptions& options) {
         if (writer) writer->append(shifted);
         if (!options.report_file.empty()) overview.add(shifted);
     };
+    ConnectionOverview connections(model, times.size());
+    if (!options.report_file.empty())
+        settings.observer = [&](double t, const DeviceMotion& motion) { connections.add(t, motion); };
     const SimulationResult result = simulate(model, excitation.drive, settings);
     progress.reset();
 
@@ -210,7 +213,8 @@ void run(const SimulateOptions& options) {
         notes.insert(notes.end(), writer->notes().begin(), writer->notes().end());
     }
     const RunDescription description{model, *excitation.drive, result, excitation.time_offset};
-    if (!options.report_file.empty()) writeHtmlSummary(description, header, overview, options.report_file, outputs);
+    if (!options.report_file.empty())
+        writeHtmlSummary(description, header, overview, connections, options.report_file, outputs);
     // Names of files need not be UTF-8.
     const std::string json =
         makeSummaryJson(description).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

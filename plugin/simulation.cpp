@@ -103,6 +103,7 @@ SimulationResult simulate(const MountModel& model, std::shared_ptr<const Drive> 
         sink.take(std::move(times), std::move(values));
     });
     recorder.setProgress(settings.progress);
+    recorder.setObserver(settings.observer);
     device.updSystem().addEventReporter(recorder.makeReporter());
     const SimTK::State start = device.makeRestState();
 

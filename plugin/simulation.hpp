@@ -25,7 +25,8 @@ struct SimulationSettings {
     double accuracy = 1e-6;
     /// s. Reports are cubic interpolations between steps, in error by (ω h)⁴/384.
     double longest_step = 1e-3;
-    std::function<void(double)> progress;  ///< called with the time of each sample, s
+    std::function<void(double)> progress;                       ///< called with the time of each sample, s
+    std::function<void(double, const DeviceMotion&)> observer;  ///< called at each sample with its time, s
     /// Called now and then with the time that the integrator has reached, s. What it returns, unless empty, ends the
     /// run as the reason of an InputError.
     std::function<std::string(double)> watch;

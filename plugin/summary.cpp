@@ -60,6 +60,12 @@ Table makeDisplacementTable(const RunDescription& run) {
     return table;
 }
 
+/// One value from end to end, as of a direction in which nothing acts.
+bool isStill(const ThinnedChannel& channel) {
+    return std::all_of(channel.values.begin(), channel.values.end(),
+                       [&](double value) { return value == channel.values.front(); });
+}
+
 std::string describeCost(const SimulationCost& cost) {
     return formatNumber(cost.wall_time, 3) + " s wall, " + std::to_string(cost.steps) + " steps of " +
            std::to_string(cost.attempted_steps) + " attempted, " + std::to_string(cost.realizations) + " realizations";
@@ -106,24 +112,26 @@ nlohmann::json makeSummaryJson(const RunDescription& run) {
 }
 
 void writeHtmlSummary(const RunDescription& run, const Recording& header, const RunOverview& overview,
-                      const std::string& file, OutputFiles& outputs) {
+                      const ConnectionOverview& connections, const std::string& file, OutputFiles& outputs) {
     HtmlReport report("Simulation of " + run.model.name);
+    report.addLead(connections.makeHeadline(run.drive));
     std::vector<std::string> settings;
     for (const auto& [key, value] : header.metadata) settings.push_back(key + ": " + value);
     report.addList(settings);
-    const Table stops = makeStopTable(run), displacements = makeDisplacementTable(run);
+    const Table stops = makeStopTable(run), margins = connections.makeTable(run.drive);
     report.addHeading("Stops");
     if (stops.empty()) {
         report.addText("No stop was reached.");
     } else {
         report.addTable(stops.header(), stops.rows());
     }
-    report.addHeading("Largest relative displacements");
-    report.addTable(displacements.header(), displacements.rows());
+    report.addHeading("Connections: displacement, force, clearance left");
+    report.addTable(margins.header(), margins.rows());
+    connections.addPictures(report, run.drive, run.time_offset);
+    report.addHeading("Channels");
 
     // Against frequency where it sweeps, against time otherwise.
-    const double start = run.drive.calcFrequency(0), end = run.drive.calcFrequency(run.drive.duration());
-    const bool swept = std::isfinite(start) && start != end;
+    const bool swept = isSwept(run.drive);
     for (const Part part : {Part::mobile, Part::fixed}) {
         for (const Derivative derivative : {Derivative::displacement, Derivative::acceleration}) {
             for (int axis = 0; axis < 3; ++axis) {
@@ -136,7 +144,7 @@ void writeHtmlSummary(const RunDescription& run, const Recording& header, const 
                 for (const Connection& connection : run.model.connections) {
                     const ThinnedChannel* channel =
                         overview.find(formatChannelName({part, connection.name, axis, derivative}));
-                    if (channel == nullptr) continue;
+                    if (channel == nullptr || isStill(*channel)) continue;
                     Series series{connection.name, channel->time, channel->values};
                     for (double& value : series.y) value *= displacement ? 1e3 : 1;
                     if (swept)

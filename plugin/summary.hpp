@@ -7,6 +7,7 @@
 
 #include "models/mount_model.hpp"
 #include "models/terminal.hpp"
+#include "plugin/connection_overview.hpp"
 #include "plugin/drive.hpp"
 #include "plugin/run_overview.hpp"
 #include "plugin/simulation.hpp"
@@ -26,10 +27,11 @@ struct RunDescription {
 std::string formatSummary(const RunDescription& run, TextStyle style);
 nlohmann::json makeSummaryJson(const RunDescription& run);
 
-/// The summary with plots of displacements and accelerations.
+/// The summary with what each connection went through, and plots of displacements and accelerations; channels that
+/// stood still are left out.
 /// @param overview of the recording, whose metadata it shows, times as in the recording
 /// @throws InputError: cannot be written.
 void writeHtmlSummary(const RunDescription& run, const Recording& header, const RunOverview& overview,
-                      const std::string& file, OutputFiles& outputs);
+                      const ConnectionOverview& connections, const std::string& file, OutputFiles& outputs);
 
 }  // namespace wems::plugin

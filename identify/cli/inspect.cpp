@@ -7,6 +7,7 @@
 #include "identify/cli/command.hpp"
 #include "identify/cli/inspect_report.hpp"
 #include "identify/cli/long_recordings.hpp"
+#include "identify/cli/quality_output.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/inspect/derivative_check.hpp"
 #include "identify/inspect/inspection.hpp"
@@ -83,6 +84,7 @@ nlohmann::json makeJson(const Inspection& inspection, const Recording& recording
             {"findings", findings},
             {"abilities", inspection.abilities},
             {"notes", inspection.notes},
+            {"quality", makeQualityJson(inspection.quality)},
             {"warnings", recording.warnings}};
 }
 

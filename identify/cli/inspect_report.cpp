@@ -74,7 +74,7 @@ Table makeTable(const Inspection& inspection) {
 }
 
 std::vector<std::string> makeSentences(const Inspection& inspection, const Recording& recording) {
-    std::vector<std::string> lines;
+    std::vector<std::string> lines{formatVerdict(inspection.quality)};
     if (!recording.unused_columns.empty()) {
         std::string line = "Not a channel: ";
         for (std::size_t i = 0; i < recording.unused_columns.size() && i < 12; ++i)
@@ -93,6 +93,10 @@ std::vector<std::string> makeSentences(const Inspection& inspection, const Recor
     for (const Finding& finding : inspection.findings) lines.push_back("Suspicious: " + finding.message);
     for (const auto& ability : inspection.abilities) lines.push_back("Identification: " + ability);
     return lines;
+}
+
+bool isWarning(const std::string& line) {
+    return line.rfind("Suspicious", 0) == 0 || (line.rfind("Quality", 0) == 0 && line != "Quality: good.");
 }
 
 /// Amplitudes of one order over the swept frequency.
@@ -177,7 +181,7 @@ std::string formatInspection(const Inspection& inspection, const Recording& reco
     std::ostringstream text;
     text << describeRecording(inspection, recording) << "\n\n" << makeTable(inspection).format(style) << "\n";
     for (const auto& line : makeSentences(inspection, recording))
-        text << (line.rfind("Suspicious", 0) == 0 ? paint(line, Colour::yellow, style) : line) << "\n";
+        text << (isWarning(line) ? paint(line, Colour::yellow, style) : line) << "\n";
     text << "\n";
     return text.str();
 }

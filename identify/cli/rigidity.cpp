@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "identify/cli/command.hpp"
+#include "identify/cli/quality_output.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/cli/rigidity_report.hpp"
 #include "models/command_line/usage.hpp"
@@ -36,7 +37,7 @@ nlohmann::json makeHistory(const Rigidity& rigidity, const RigidityCheck& check)
     return {{"time", time}, {"frequency", hertz}, {"percent", values}};
 }
 
-nlohmann::json makeJson(const Rigidity& rigidity, const Recording& recording) {
+nlohmann::json makeJson(const Rigidity& rigidity, const QualityVerdict& quality, const Recording& recording) {
     nlohmann::json checks = nlohmann::json::array(), suspects = nlohmann::json::array();
     for (const RigidityCheck& check : rigidity.checks) {
         checks.push_back({{"name", check.name},
@@ -57,7 +58,11 @@ nlohmann::json makeJson(const Rigidity& rigidity, const Recording& recording) {
         if (suspect.fault != "exchanged") entry["standard_error"] = suspect.standard_error;
         suspects.push_back(entry);
     }
-    return {{"checks", checks}, {"suspects", suspects}, {"notes", rigidity.notes}, {"warnings", recording.warnings}};
+    return {{"checks", checks},
+            {"suspects", suspects},
+            {"notes", rigidity.notes},
+            {"quality", makeQualityJson(quality)},
+            {"warnings", recording.warnings}};
 }
 
 std::string describe(const ChannelSuspect& suspect) {
@@ -84,8 +89,10 @@ Table makeTable(const Rigidity& rigidity) {
     return table;
 }
 
-std::vector<std::string> makeSentences(const Rigidity& rigidity, const Recording& recording) {
+std::vector<std::string> makeSentences(const Rigidity& rigidity, const QualityVerdict& quality,
+                                       const Recording& recording) {
     std::vector<std::string> lines{
+        formatVerdict(quality),
         "Lengths relative to their rest length, perpendicularity to 90 degrees, midpoints to the arm length."};
     if (rigidity.suspects.empty()) lines.emplace_back("No suspect channel.");
     for (const ChannelSuspect& suspect : rigidity.suspects) lines.push_back("Suspect: " + describe(suspect));
@@ -104,8 +111,9 @@ void runRigidity(const RigidityOptions& options, bool limited, int& exit_status)
     const bool report = !options.common.report_file.empty();
     progress->step("checks", report ? 0.25 : 0.45, report ? 0.6 : 1.0);  // as a sweep of 50 000 samples takes
     const Rigidity rigidity = checkRigidity(recording, model);
+    const QualityVerdict quality = judgeQuality(recording, &model, recording.findings);
     const Table table = makeTable(rigidity);
-    const std::vector<std::string> sentences = makeSentences(rigidity, recording);
+    const std::vector<std::string> sentences = makeSentences(rigidity, quality, recording);
     if (report) {
         progress->step("report", 0.6);
         writeRigidityReport(rigidity, table, sentences, recording, model, options.common.report_file, outputs);
@@ -116,7 +124,7 @@ void runRigidity(const RigidityOptions& options, bool limited, int& exit_status)
         for (const std::string& line : sentences)
             std::cout << (line.rfind("Suspect", 0) == 0 ? paint(line, Colour::yellow, outputStyle()) : line) << "\n";
     }
-    writeJson(makeJson(rigidity, recording), options.common, outputs);
+    writeJson(makeJson(rigidity, quality, recording), options.common, outputs);
     finishOutput(outputs);
     if (!limited) return;
     for (const RigidityCheck& check : rigidity.checks) {

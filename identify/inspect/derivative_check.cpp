@@ -7,7 +7,7 @@
 #include <map>
 #include <optional>
 
-#include "identify/motion/fftw_plan.hpp"
+#include "identify/inspect/segment_spectra.hpp"
 #include "models/format_number.hpp"
 #include "models/pi.hpp"
 
@@ -22,25 +22,6 @@ constexpr double kCoherent = 0.9;
 constexpr std::size_t kLeastBins = 5;
 constexpr std::size_t kFirstBin = 4;  // the window's own spectrum spoils those below
 constexpr double kLargestRatio = 1.5;
-
-/// Spectra of Hann segments of a signal.
-std::vector<std::vector<Complex>> transformSegments(const std::vector<double>& signal, std::size_t length) {
-    std::vector<double> block(length);
-    std::vector<Complex> spectrum(length / 2 + 1);
-    const FftwPlan plan(
-        fftw_plan_dft_r2c_1d(static_cast<int>(length), block.data(), asFftw(spectrum.data()), FFTW_ESTIMATE));
-    std::vector<std::vector<Complex>> segments;
-    for (std::size_t start = 0; start + length <= signal.size(); start += length / 2) {
-        for (std::size_t i = 0; i < length; ++i) {
-            const double phase = kTwoPi * (static_cast<double>(i) + 0.5) / static_cast<double>(length);
-            const double value = signal[start + i];
-            block[i] = std::isfinite(value) ? (0.5 - 0.5 * std::cos(phase)) * value : 0;
-        }
-        fftw_execute(plan.get());
-        segments.push_back(spectrum);
-    }
-    return segments;
-}
 
 std::optional<double> calcRatio(const Channel& displacement, const Channel& acceleration, double interval) {
     std::size_t length = kLongestSegment;

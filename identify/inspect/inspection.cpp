@@ -152,13 +152,16 @@ Inspection Inspector::finish() {
     inspection.findings = listFindings();
     inspection.abilities = describeAbilities(names_, model_, reached_);
     inspection.notes = notes_.list();
+    if (blocks_ > 1) inspection.quality = judgeFindings(inspection.findings);
     return inspection;
 }
 
 Inspection inspect(const Recording& recording, const MountModel* model) {
     Inspector inspector(model);
     inspector.add(recording);
-    return inspector.finish();
+    Inspection inspection = inspector.finish();
+    inspection.quality = judgeQuality(recording, model, inspection.findings);
+    return inspection;
 }
 
 }  // namespace wems::identify

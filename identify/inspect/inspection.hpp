@@ -8,6 +8,7 @@
 #include "identify/inspect/block_notes.hpp"
 #include "identify/inspect/channel_statistics.hpp"
 #include "identify/inspect/order_tracking.hpp"
+#include "identify/inspect/quality.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
@@ -25,6 +26,7 @@ struct Inspection {
     std::vector<Finding> findings;       ///< of reading and of the signals, in order of time
     std::vector<std::string> abilities;  ///< one sentence each
     std::vector<std::string> notes;
+    QualityVerdict quality;  ///< of several blocks by their findings alone
 };
 
 /// @param model may be null; with it, exchanged and missing connections and channels that are not rigid are findings

@@ -13,6 +13,7 @@ std::string orbitControlsScript();
 std::string stageScript();
 std::string animationScript();
 std::string surfaceScript();
+std::string exportScript();
 std::string pageScript();
 std::string pageStyle();
 

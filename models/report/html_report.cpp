@@ -190,7 +190,7 @@ std::string HtmlReport::format() const {
                 script(report_assets::stageScript());
     if (scene_count_ > 0) page += script(report_assets::animationScript());
     if (surface_count_ > 0) page += script(report_assets::surfaceScript());
-    if (!data_.empty()) page += script(report_assets::pageScript() + data_);
+    if (!data_.empty()) page += script(report_assets::exportScript() + report_assets::pageScript() + data_);
     return page + "</body></html>\n";
 }
 

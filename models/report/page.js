@@ -81,6 +81,10 @@ function wemsPlot(plot) {
   });
   const paintLegend = plot.series.length > 1 ? wemsLegend(plot, g) : () => {};
   paintLegend();
+  wemsSaveControls(plot.title, [["SVG", () => wemsSave(plot.title, "svg", wemsSvg(plot, g, format), "image/svg+xml")],
+                                ["PNG", () => wemsPng(plot.title, wemsSvg(plot, g, format))],
+                                ["CSV", () => wemsSave(plot.title, "csv", wemsCsv(plot), "text/csv")]],
+                   document.getElementById(plot.id).parentElement.lastElementChild);
   const repaint = () => {
     g.resize();
     g.updateOptions({ ...wemsStyle(), colors: wemsPalette(plot) });

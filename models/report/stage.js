@@ -96,6 +96,8 @@ class WemsStage {
     this.resize();
     paint();
     this.draw();
+    const save = () => this.renderer.domElement.toBlob(blob => wemsSave(this.label, "png", blob));
+    wemsSaveControls(this.label, [["PNG", save]], this.figure.lastElementChild);
   }
 
   draw() {

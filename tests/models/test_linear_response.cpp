@@ -10,27 +10,14 @@
 #include "models/linear_response.hpp"
 #include "models/pi.hpp"
 #include "models/random_response.hpp"
+#include "tests/models/oscillator.hpp"
 #include "tests/plugin/sample_models.hpp"
 
 using namespace wems;
+using wems::test::makeOscillator;
 using Complex = std::complex<double>;
 
 namespace {
-
-/// One body on one connection at its centre of gravity, the same law on each axis.
-MountModel makeOscillator(double mass, double stiffness, double damping) {
-    MountModel model;
-    model.body.mass = mass;
-    model.body.inertia = Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal();
-    Connection connection;
-    connection.name = "1";
-    for (AxisLaw& law : connection.axis) {
-        law.stiffness = stiffness;
-        law.damping = damping;
-    }
-    model.connections.push_back(connection);
-    return model;
-}
 
 MountModel makeFullModel() {
     MountModel model = test::withLosses(test::withStops(test::withBracket(test::makeRigidModel())));

@@ -5,7 +5,7 @@
 #include "models/damped_modes.hpp"
 #include "models/periodic/floquet.hpp"
 #include "models/pi.hpp"
-#include "oscillator.hpp"
+#include "tests/models/oscillator.hpp"
 #include "tests/plugin/sample_models.hpp"
 
 using namespace wems;

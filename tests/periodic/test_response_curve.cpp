@@ -6,7 +6,7 @@
 #include "models/error.hpp"
 #include "models/periodic/response_curve.hpp"
 #include "models/pi.hpp"
-#include "oscillator.hpp"
+#include "tests/models/oscillator.hpp"
 #include "tests/plugin/sample_models.hpp"
 
 using namespace wems;

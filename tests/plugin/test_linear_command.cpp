@@ -1,22 +1,15 @@
 // simulate --modes, --frf, --psd as a user calls them.
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "models/pi.hpp"
 #include "models/recording/recording_reader.hpp"
-#include "tests/cli/run_program.hpp"
+#include "tests/plugin/simulate_command.hpp"
 
-using wems::test::runProgram;
-using wems::test::TemporaryDirectory;
-using Json = nlohmann::json;
+using namespace wems::test;
 
 namespace {
-
-const std::string smallsat = WEMS_SOURCE_DIR "/models/shipped/smallsat_wems.toml";
-const std::string single_axis = WEMS_SOURCE_DIR "/models/shipped/single_axis.toml";
 
 /// A body of 2 kg on one connection at its centre of gravity, the same along each axis, hanging in gravity.
 void writeOscillator(const TemporaryDirectory& folder, double damping) {
@@ -32,17 +25,9 @@ void writeFile(const TemporaryDirectory& folder, const std::string& name, const 
     std::ofstream(folder.path() + "/" + name) << text;
 }
 
-Json runJson(const TemporaryDirectory& folder, std::vector<std::string> arguments) {
-    arguments.insert(arguments.end(), {"--json", "-"});
-    const auto result = runProgram(SIMULATE_PROGRAM, arguments, folder.path());
-    INFO(result.errors);
-    REQUIRE(result.exit_status == 0);
-    return Json::parse(result.output);
-}
-
 }  // namespace
 
-TEST_CASE("--modes: the contract's keys, sag and clearance left by hand") {
+TEST_CASE("modes: the contract's keys, sag and clearance left by hand") {
     const TemporaryDirectory folder;
     writeOscillator(folder, 20);
     const Json result = runJson(folder, {"oscillator.toml", "--modes", "--report", "modes.html"});
@@ -64,7 +49,7 @@ TEST_CASE("--modes: the contract's keys, sag and clearance left by hand") {
     CHECK(folder.list() == std::vector<std::string>{"modes.html", "oscillator.toml"});
 }
 
-TEST_CASE("--frf and --modes --psd: curves as JSON and CSV") {
+TEST_CASE("transfer functions and random response: curves as JSON and CSV") {
     const TemporaryDirectory folder;
     writeOscillator(folder, 20);
     writeFile(folder, "psd.csv", "frequency [Hz],psd [g^2/Hz]\n5,0.001\n100,0.001\n");
@@ -104,12 +89,8 @@ TEST_CASE("a simulated random test has the RMS that the linear model's spectrum 
     writeOscillator(folder, 100);  // ζ = 0.25
     writeFile(folder, "psd.csv", "5,0.002\n100,0.002\n");
     const Json random = runJson(folder, {"oscillator.toml", "--modes", "--psd", "psd.csv", "--base-acceleration", "x"});
-    const auto run = runProgram(SIMULATE_PROGRAM,
-                                {"oscillator.toml", "--psd", "psd.csv", "--base-acceleration", "x", "--duration", "20",
-                                 "--seed", "5", "--quiet", "-o", "run.csv"},
-                                folder.path());
-    INFO(run.errors);
-    REQUIRE(run.exit_status == 0);
+    runSimulate(folder, {"oscillator.toml", "--psd", "psd.csv", "--base-acceleration", "x", "--duration", "20",
+                         "--seed", "5", "--quiet", "-o", "run.csv"});
     const wems::Recording recording = wems::readRecording(folder.path() + "/run.csv");
     const auto& mobile = recording.find("mobile.1.x")->values;
     const auto& fixed = recording.find("fixed.1.x")->values;
@@ -154,25 +135,13 @@ TEST_CASE("wrong uses of --modes, --frf and --psd: one line, exit status 2, no f
         {single_axis, "--dwell", "20:1", "--base-acceleration", "z=1", "--base-displacement", "z=1mm"},
         {single_axis, "--modes", "--base-displacement", "z=1mm"},
     }));
-    CAPTURE(arguments);
-    auto all = arguments;
-    all.insert(all.end(), {"--json", "result.json"});
-    const auto before = folder.list();
-    const auto result = runProgram(SIMULATE_PROGRAM, all, folder.path());
-    CHECK(result.exit_status == 2);
-    CHECK(result.output.empty());
-    CHECK(std::count(result.errors.begin(), result.errors.end(), '\n') == 1);
-    CHECK(folder.list() == before);
+    checkRefused(folder, arguments);
 }
 
 TEST_CASE("units on the command line") {
     const TemporaryDirectory folder;
     const auto run = [&](const std::string& level, const std::string& file) {
-        const auto result = runProgram(
-            SIMULATE_PROGRAM, {single_axis, "--dwell", "12:0.1", "--base-acceleration", level, "--quiet", "-o", file},
-            folder.path());
-        INFO(result.errors);
-        REQUIRE(result.exit_status == 0);
+        runSimulate(folder, {single_axis, "--dwell", "12:0.1", "--base-acceleration", level, "--quiet", "-o", file});
         return wems::readRecording(folder.path() + "/" + file).find("base.az")->values;
     };
     const auto in_g = run("z=0.1g", "g.csv"), in_si = run("z=0.980665", "si.csv");
@@ -181,12 +150,8 @@ TEST_CASE("units on the command line") {
 
 TEST_CASE("a base driven by displacement moves as commanded") {
     const TemporaryDirectory folder;
-    const auto result = runProgram(
-        SIMULATE_PROGRAM,
-        {single_axis, "--sweep", "5:40", "--rate", "60", "--base-displacement", "z=0.1mm", "--quiet", "-o", "run.csv"},
-        folder.path());
-    INFO(result.errors);
-    REQUIRE(result.exit_status == 0);
+    runSimulate(folder, {single_axis, "--sweep", "5:40", "--rate", "60", "--base-displacement", "z=0.1mm", "--quiet",
+                         "-o", "run.csv"});
     const wems::Recording run = wems::readRecording(folder.path() + "/run.csv");
     const auto& x = run.find("fixed.mount.z")->values;
     for (std::size_t k = 0; k < x.size(); k += 37) {

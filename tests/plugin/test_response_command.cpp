@@ -3,31 +3,20 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "models/recording/recording_reader.hpp"
-#include "tests/cli/run_program.hpp"
+#include "tests/plugin/simulate_command.hpp"
 
-using wems::test::runProgram;
-using wems::test::TemporaryDirectory;
-using Json = nlohmann::json;
+using namespace wems::test;
 
 namespace {
-
-const std::string smallsat = WEMS_SOURCE_DIR "/models/shipped/smallsat_wems.toml";
-const std::string single_axis = WEMS_SOURCE_DIR "/models/shipped/single_axis.toml";
 
 /// Half of what lies between the ends of mobile − fixed in a second of a dwell that grew slowly, so that it follows the
 /// curve from the low level up: where several motions are possible, a sudden start may lead to another one.
 double measureDwell(const TemporaryDirectory& folder, const std::string& model, const std::string& level_option,
                     const std::string& level, double f, const std::string& channel) {
-    const auto result =
-        runProgram(SIMULATE_PROGRAM,
-                   {model, "--dwell", std::to_string(f) + ":9", "--fade", "2", level_option, level, "--channels",
-                    "displacement", "--sample-rate", "4000", "--quiet", "-o", "dwell.csv"},
-                   folder.path());
-    INFO(result.errors);
-    REQUIRE(result.exit_status == 0);
+    runSimulate(folder, {model, "--dwell", std::to_string(f) + ":9", "--fade", "2", level_option, level, "--channels",
+                         "displacement", "--sample-rate", "4000", "--quiet", "-o", "dwell.csv"});
     const wems::Recording run = wems::readRecording(folder.path() + "/dwell.csv");
     const auto& mobile = run.find("mobile." + channel)->values;
     const auto& fixed = run.find("fixed." + channel)->values;
@@ -66,11 +55,7 @@ TEST_CASE("response curves agree with time integration, in contact too") {
         {smallsat, "--force", "z=300", "4.z", 11, {11.2, 30.8, 33, 37}},
     }));
     const TemporaryDirectory folder;
-    const auto result =
-        runProgram(SIMULATE_PROGRAM, {c.model, "--response", "8:50", c.option, c.level, "--json", "-"}, folder.path());
-    INFO(result.errors);
-    REQUIRE(result.exit_status == 0);
-    const Json level = Json::parse(result.output).at("levels")[0];
+    const Json level = runJson(folder, {c.model, "--response", "8:50", c.option, c.level}).at("levels")[0];
     CHECK(level.at("incomplete") == "");
     CHECK(level.at("folds").size() == 2);
     for (const double f : c.frequencies) {
@@ -85,15 +70,11 @@ TEST_CASE("response curves agree with time integration, in contact too") {
     }
 }
 
-TEST_CASE("--response: levels, units, files") {
+TEST_CASE("response curves: levels, units, files") {
     const TemporaryDirectory folder;
     const auto result =
-        runProgram(SIMULATE_PROGRAM,
-                   {single_axis, "--response", "12:20", "--base-acceleration", "z=0.05g,0.3g", "--harmonics", "7",
-                    "--json", "response.json", "--report", "response.html", "-o", "response.csv"},
-                   folder.path());
-    INFO(result.errors);
-    REQUIRE(result.exit_status == 0);
+        runSimulate(folder, {single_axis, "--response", "12:20", "--base-acceleration", "z=0.05g,0.3g", "--harmonics",
+                             "7", "--json", "response.json", "--report", "response.html", "-o", "response.csv"});
     CHECK(result.output.find("base acceleration z=0.490333 m/s^2") != std::string::npos);
     CHECK(result.output.find("mount.z.+") != std::string::npos);
     CHECK(folder.list() == std::vector<std::string>{"response.csv", "response.html", "response.json"});
@@ -120,12 +101,5 @@ TEST_CASE("wrong uses of --response: one line, exit status 2, no file") {
         {single_axis, "--response", "12:20", "--force", "z=1"},
         {single_axis, "--dwell", "12:1", "--base-acceleration", "z=1,2"},
     }));
-    CAPTURE(arguments);
-    auto all = arguments;
-    all.insert(all.end(), {"--json", "result.json"});
-    const auto result = runProgram(SIMULATE_PROGRAM, all, folder.path());
-    CHECK(result.exit_status == 2);
-    CHECK(result.output.empty());
-    CHECK(std::count(result.errors.begin(), result.errors.end(), '\n') == 1);
-    CHECK(folder.list().empty());
+    checkRefused(folder, arguments);
 }

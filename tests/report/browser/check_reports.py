@@ -19,6 +19,7 @@ import sys
 import time
 from pathlib import Path
 
+from check_saving import check_saving
 from make_reports import make_reports
 
 SKIPPED = 77
@@ -26,6 +27,7 @@ LARGEST_PAGE = 10e6  # bytes
 WIDTHS = (1280, 390)
 TRIED = "fit"  # the page whose controls are used; on the others they come from the same code
 EXPECTED = {  # beginnings of titles
+    "simulate": ["Envelope: relative displacement z", "Envelope: connection force z", "Mobile part, acceleration z"],
     "fit": ["Singular values", "Restoring force at 1.x", "Restoring force at 4.z", "Restoring force surface at",
             "Unexplained force", "Unexplained moment", "Spectrum of the force", "Autocorrelation"],
     "diagnose": ["Restoring force at 4.z", "Restoring force surface at", "Envelope of the motion", "Amplitude of order 3"],
@@ -369,6 +371,7 @@ def main():
             if name == TRIED:
                 check_zoom(browser, name, checks)
                 check_legend(browser, name, checks)
+                check_saving(browser, name, arguments.out, checks, read_plots(page))
                 check_scene(browser, name, arguments.out, checks)
             titles = [caption.text for caption in find(browser, "figcaption")]
             for title in EXPECTED.get(name, []):

@@ -1,5 +1,5 @@
 /// @file
-/// One body on one connection: an oscillator along each axis, driven along z by its base.
+/// One body on one connection at its centre of gravity: an oscillator along each axis.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,7 +11,7 @@ namespace wems::test {
 inline MountModel makeOscillator(double mass, double stiffness, double damping) {
     MountModel model;
     model.body.mass = mass;
-    model.body.inertia = Eigen::Vector3d(0.1, 0.1, 0.1).asDiagonal();
+    model.body.inertia = Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal();
     Connection connection;
     connection.name = "1";
     for (AxisLaw& law : connection.axis) {
