@@ -95,12 +95,10 @@ void addAxisWrench(const OpenLoopRun& run, const MountModel& model, int connecti
 
 Eigen::MatrixXd calcDemand(const OpenLoopRun& run, const MobileBody& body, const Eigen::Vector3d& gravity) {
     Eigen::MatrixXd demand(6, run.sampleCount());
-    const bool has_base = run.base.cols() > 0;
     for (int k = 0; k < run.sampleCount(); ++k) {
         const Eigen::Matrix3d& R = run.mobile.R[static_cast<std::size_t>(k)];
         const Eigen::Vector3d c = R * body.center_of_gravity, w = run.mobile.w.col(k), alpha = run.mobile.alpha.col(k);
-        Eigen::Vector3d a = run.mobile.a.col(k) + alpha.cross(c) + w.cross(w.cross(c)) - gravity;
-        if (has_base) a += run.base.col(k);
+        const Eigen::Vector3d a = run.mobile.a.col(k) + alpha.cross(c) + w.cross(w.cross(c)) - gravity;
         const Eigen::Matrix3d inertia = R * body.inertia * R.transpose();
         const Eigen::Vector3d force = body.mass * a;
         demand.block<3, 1>(0, k) = force;
