@@ -56,19 +56,28 @@ FrameMotion fitFrame(const PartMotion& part, double h, Eigen::Index count) {
     return motion;
 }
 
+/// At the first sample itself: a sweep that begins hard moves within a few samples, from rest.
 bool startsMoving(const RunMotion& run, const MountModel& model, Eigen::Index count) {
     const Eigen::MatrixXd q = calcRelativeDisplacement(run, model).q;
-    const double noise = std::max(std::isfinite(run.mobile.displacement_noise) ? run.mobile.displacement_noise : 0.0,
-                                  std::isfinite(run.fixed.displacement_noise) ? run.fixed.displacement_noise : 0.0);
-    double largest = 0, first = 0;
+    const double noise = std::hypot(std::isfinite(run.mobile.displacement_noise) ? run.mobile.displacement_noise : 0.0,
+                                    std::isfinite(run.fixed.displacement_noise) ? run.fixed.displacement_noise : 0.0);
+    // Value, and slope times the length of the fit, of each row at the first sample.
+    Eigen::MatrixXd design(count, degree + 1);
+    for (Eigen::Index k = 0; k < count; ++k)
+        for (Eigen::Index j = 0; j <= degree; ++j)
+            design(k, j) = std::pow(static_cast<double>(k) / static_cast<double>(count), static_cast<double>(j));
+    const Eigen::MatrixXd weights = design.completeOrthogonalDecomposition().pseudoInverse().topRows(2);
+    const Eigen::Vector2d deviation = noise * weights.rowwise().norm();
+    double largest = 0;
+    Eigen::Vector2d first = Eigen::Vector2d::Zero();
     for (Eigen::Index i = 0; i < q.rows(); ++i) {
         Eigen::VectorXd values = q.row(i);
         std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-        const double median = values[values.size() / 2];
-        largest = std::max(largest, (q.row(i).array() - median).abs().maxCoeff());
-        first = std::max(first, (q.row(i).head(count).array() - median).abs().maxCoeff());
+        const Eigen::VectorXd from_rest = q.row(i).transpose().array() - values[values.size() / 2];
+        largest = std::max(largest, from_rest.cwiseAbs().maxCoeff());
+        first = first.cwiseMax((weights * from_rest.head(count)).cwiseAbs());
     }
-    return first > std::max(noise_limit * noise, motion_limit * largest);
+    return (first.array() > (noise_limit * deviation.array()).max(motion_limit * largest)).any();
 }
 
 }  // namespace

@@ -15,10 +15,10 @@ struct StartMotion {
     FrameMotion fixed;
 };
 
-/// The motion at the first sample, if it is not rest: nullopt where the relative displacement in the first samples is
-/// within the noise (6 standard deviations) or within 0.2 % of the run's largest of its median over the run, which a
-/// sensor's zero shifts alike; and where displacements were not measured, or a base acceleration drives: what is
-/// integrated does not know its start.
+/// The motion at the first sample, if it is not rest: nullopt where the relative displacement there and what its
+/// velocity makes of it over the samples of the fit are within the noise (6 standard deviations of the fit) or within
+/// 0.2 % of the run's largest, from its median over the run, which a sensor's zero shifts alike; and where
+/// displacements were not measured, or a base acceleration drives: what is integrated does not know its start.
 ///
 /// Positions and velocities are least squares over the first samples: with accelerations measured x₀ + v₀ t + ∬a dt,
 /// otherwise a polynomial of fourth degree over half a period of the highest trusted frequency.
