@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "identify/inspect/segment_spectra.hpp"
 #include "models/format_number.hpp"
@@ -28,7 +30,10 @@ std::optional<double> calcRatio(const Channel& displacement, const Channel& acce
     while (length > kShortestSegment && displacement.values.size() < (kLeastSegments + 1) * length / 2) length /= 2;
     const auto q = transformSegments(displacement.values, length), a = transformSegments(acceleration.values, length);
     if (q.size() < kLeastSegments) return std::nullopt;
-    std::vector<double> ratios;
+    // Of each coherent bin the ratio, and what both signals hold there: beyond their band, where the window lets the
+    // strong bins of one signal through, the ratio says nothing.
+    std::vector<std::pair<double, double>> ratios;
+    double all = 0;
     for (std::size_t bin = kFirstBin; bin < length / 2; ++bin) {
         const double omega = kTwoPi * static_cast<double>(bin) / (static_cast<double>(length) * interval);
         double expected = 0, measured = 0;
@@ -39,13 +44,16 @@ std::optional<double> calcRatio(const Channel& displacement, const Channel& acce
             measured += std::norm(a[s][bin]);
             common += a[s][bin] * std::conj(derivative);
         }
-        if (expected > 0 && std::norm(common) > kCoherent * expected * measured)
-            ratios.push_back(common.real() / expected);
+        if (!(expected > 0) || !(std::norm(common) > kCoherent * expected * measured)) continue;
+        ratios.emplace_back(common.real() / expected, std::abs(common) / (omega * omega));
+        all += ratios.back().second;
     }
     if (ratios.size() < kLeastBins) return std::nullopt;
-    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-    std::nth_element(ratios.begin(), middle, ratios.end());
-    return *middle;
+    std::sort(ratios.begin(), ratios.end());
+    double below = 0;
+    for (const auto& [ratio, weight] : ratios)
+        if ((below += weight) >= 0.5 * all) return ratio;
+    return std::nullopt;
 }
 
 /// What makes such a ratio, as a mistake.
