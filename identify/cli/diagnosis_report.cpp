@@ -32,10 +32,9 @@ std::string describeErrors(const Diagnosis& diagnosis) {
 
 void addErrors(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addHeading("Free simulation against the recordings");
-    page.addTable({"recordings", "error before", "error after", "noise alone"}, tabulateErrors(diagnosis));
-    page.addText("Equations of motion along the measured motion of the validation recordings: misfit " +
-                 formatNumber(diagnosis.misfit_before, 4) + " before, " + formatNumber(diagnosis.misfit_after, 4) +
-                 " after; noise alone leaves 1.");
+    page.addTable({"recordings", "error before", "adjusted", "error after", "noise alone"}, tabulateErrors(diagnosis));
+    page.addText("Noise and what is not known of the numbers allow the validation recordings an error of " +
+                 formatPercent(diagnosis.prediction_band) + " (95 %).");
     if (!diagnosis.validated)
         page.addText(
             "There were no validation recordings: the identification recordings judged themselves, which flatters "
@@ -67,41 +66,23 @@ void addCauses(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addTable({"named", "rival", "where", "the rival's parameters", "what would separate them"}, ties);
 }
 
-void addRounds(const Diagnosis& diagnosis, HtmlReport& page) {
-    page.addHeading("Why: the rounds of the selection");
-    page.addText(
-        "In each round the candidates that promise most are fitted to the identification recordings, together with "
-        "what was taken before. Numbers are misfits per value of the equations of motion; noise alone leaves 1. A "
-        "candidate "
-        "is taken if it is the best one and reduces the misfit of the validation recordings too.");
-    for (std::size_t r = 0; r < diagnosis.rounds.size(); ++r) {
-        const auto& round = diagnosis.rounds[r];
-        page.addText("Round " + std::to_string(r + 1) + ": " + round.reason + ". Before: identification " +
-                     formatNumber(round.identification_before, 4) + ", validation " +
-                     formatNumber(round.validation_before, 4) + "; " + describePlace(round) + ".");
-        std::vector<std::vector<std::string>> rows;
-        for (std::size_t i = 0; i < round.trials.size(); ++i) {
-            const auto& trial = round.trials[i];
-            std::vector<std::string> values;
-            for (const double value : trial.values) values.push_back(formatNumber(value));
-            rows.push_back({trial.candidate.describe(), joinWords(values, ", "), formatNumber(trial.identification, 4),
-                            formatNumber(trial.validation, 4), static_cast<int>(i) == round.taken ? "taken" : ""});
-        }
-        if (!rows.empty()) page.addTable({"candidate", "values, SI", "identification", "validation", ""}, rows);
-    }
+void addAdjustments(const Diagnosis& diagnosis, HtmlReport& page) {
+    if (diagnosis.adjustments.empty()) return;
+    page.addHeading("Adjustments: numbers that moved within their tolerance");
+    page.addTable({"number", "believed", "±", "value", "95 % interval", "unit"}, tabulateAdjustments(diagnosis));
 }
 
-void addSpectrum(const Diagnosis& diagnosis, HtmlReport& page) {
-    if (diagnosis.spectrum.frequency.empty()) return;
-    Plot plot{"Misfit of the equations of motion, validation recordings",
-              "frequency [Hz]",
-              "misfit per value",
-              {},
-              false,
-              true};
-    plot.series.push_back({"before", diagnosis.spectrum.frequency, diagnosis.spectrum.before, false, kBeforeColor});
-    plot.series.push_back({"after", diagnosis.spectrum.frequency, diagnosis.spectrum.after, false, kAfterColor});
-    page.addPlot(plot);
+void addDecisions(const Diagnosis& diagnosis, HtmlReport& page) {
+    page.addHeading("Why: the rounds of the selection");
+    page.addText(
+        "In each round every cause of the catalogue is weighed at every place, all tolerances adjusted along with it. "
+        "Log "
+        "odds are those of the causes taken so far with the candidate, over those without.");
+    for (std::size_t r = 0; r < diagnosis.decisions.size(); ++r) {
+        page.addText("Round " + std::to_string(r + 1) + ": " + describeDecision(diagnosis.decisions[r]) + ".");
+        const auto rows = tabulateCandidates(diagnosis.decisions[r]);
+        if (!rows.empty()) page.addTable({"candidate", "where", "log odds"}, rows);
+    }
 }
 
 /// Before and after: forces along all runs, free simulations of those that judged.
@@ -118,7 +99,7 @@ void addCurves(const Diagnosis& diagnosis, const MountModel& model, const Diagno
         page.addText("Of " + std::to_string(judges.size()) + " runs that judged, the first " +
                      std::to_string(judged.size()) + " are drawn.");
     std::vector<MovedRun> moved;
-    for (const JudgedRun& run : all) moved.push_back({&run.motion, findSweptFrequency(run.recording).hertz});
+    for (const JudgedRun& run : all) moved.push_back({&run.motion, findSweptFrequency(run.recording)});
     addRestoringForces(page, moved, model, diagnosis.extended, "as extended", named);
     const GroupError& noise = diagnosis.noise_floor;
     addSimulatedRuns(page, judged, model, diagnosis.extended,
@@ -138,8 +119,8 @@ void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, c
     addErrors(diagnosis, page);
     addMotion(page, makeDeviceScene(runs.identification, diagnosis.extended));
     addCurves(diagnosis, model, runs, page);
-    addSpectrum(diagnosis, page);
-    addRounds(diagnosis, page);
+    addAdjustments(diagnosis, page);
+    addDecisions(diagnosis, page);
     page.addHeading("How the motion was obtained");
     page.addList(diagnosis.notes);
     page.write(file, outputs);

@@ -1,10 +1,11 @@
 /// @file
-/// What the simulation gets wrong: from recordings and a model to named causes, an extended model and its gain.
+/// What the simulation gets wrong: from recordings and a model to adjustments, named causes, what is left, and the
+/// prediction of runs that were not used.
 ///
-/// Order of the argument: (1) the measurement, by the consistency of each rigid part's channels; (2) the equations of
-/// motion of mount and bracket along the measured motion (open loop: nothing chaotic enters), whitened by the noise
-/// that the recordings themselves show; (3) every cause of the catalogue at every place, fitted jointly with those
-/// already accepted and judged on the validation runs; (4) free simulations before and after.
+/// Order of the argument: (1) the equations of motion of mount and bracket along the measured motion, and the
+/// consistency of each rigid part's channels, in units of their noise (identify/problem); (2) every number of the model
+/// and of its sensors with its tolerance, and every cause of the catalogue, weighed by the evidence (identify/solve);
+/// (3) free simulations before, with the adjustments, and after, against a band that noise and posterior allow.
 #pragma once
 
 #include <functional>
@@ -36,33 +37,35 @@ struct Cause {
     std::string cause;
     double probability = 0;
     double gain_db = 0;  ///< validation error without it (others refitted) over that with all, dB
+    double share = 0;    ///< of the squared validation error that adjustments and causes take away together
     std::vector<std::string> where;
     std::vector<CauseParameter> parameters;
     std::vector<Rival> rivals;
+};
+
+/// A number that moved within its tolerance.
+struct Adjustment {
+    CauseParameter parameter;
+    double believed = 0, tolerance = 0;
 };
 
 struct GroupError {
     double identification = 0, validation = 0;
 };
 
-/// Misfit of the validation runs' equations per value, in bands of 1 Hz; 1 for a perfect model.
-struct MisfitSpectrum {
-    std::vector<double> frequency, before, after;  ///< Hz, -, -
-};
-
 struct Diagnosis {
     enum class Verdict { explained, nothing_missing, unexplained };
     Verdict verdict = Verdict::nothing_missing;
-    GroupError error_before, error_after, noise_floor;
-    std::vector<Cause> causes;                   ///< by falling gain
+    GroupError error_before, error_adjusted, error_after, noise_floor;
+    double prediction_band = 0;           ///< validation error that noise and the posterior of all unknowns allow, 95 %
+    std::vector<Cause> causes;            ///< by falling gain
+    std::vector<Adjustment> adjustments;  ///< those that moved by more than their interval is wide
     std::vector<std::string> unexplained_where;  ///< connection.axis, `bracket`, then `free` or `contact`
     MountModel extended;
-    bool validated = false;    ///< false: the identification runs had to judge themselves
-    double misfit_before = 0;  ///< open-loop misfit of the validation runs per value; 1 for a perfect model
-    double misfit_after = 0;
-    MisfitSpectrum spectrum;
-    std::vector<Round> rounds;       ///< the selection's own record
-    std::vector<std::string> notes;  ///< how the motion was derived, what was found odd
+    bool validated = false;                           ///< false: the identification runs had to judge themselves
+    std::vector<double> misfit_before, misfit_after;  ///< chi-squared per value: mount, bracket, sensors of both parts
+    std::vector<Decision> decisions;                  ///< the selection's own record
+    std::vector<std::string> notes;                   ///< how the motion was derived, what was found odd
 };
 
 struct DiagnosisOptions {

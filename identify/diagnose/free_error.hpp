@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "identify/motion/motion.hpp"
@@ -30,15 +31,13 @@ struct FreeError {
 struct FreeRun {
     const RunMotion* motion;
     Eigen::MatrixXd measured;
+    double noise_variance;  ///< what the recording's noise gives one relative displacement, m²
 };
 /// Simulated minus measured, as the error compares them. @throws SimulationDiverged
 Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model);
 /// What the recording's noise gives one relative displacement, m².
-double calcNoiseVariance(const RunMotion& run, const MountModel& model);
+/// @param displacement m², of a displacement channel of the mobile and of the fixed part
+double calcNoiseVariance(const RunMotion& run, const MountModel& model, const std::array<double, 2>& displacement);
 FreeError calcFreeError(const std::vector<FreeRun>& runs, const MountModel& model);
-
-/// How much more the response of the runs changes than a parameter: relative change of the relative displacement over
-/// a relative change of the mass of 1e-5. Beyond about 100 no model predicts the run sample by sample.
-double calcAmplification(const std::vector<FreeRun>& runs, const MountModel& model);
 
 }  // namespace wems::identify

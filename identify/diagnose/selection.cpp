@@ -2,281 +2,273 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
-
-#include "identify/diagnose/leftover.hpp"
 
 namespace wems::identify {
 namespace {
 
-/// Fits within this share of the smaller excess over a perfect model cannot be told apart.
-constexpr double kTieFraction = 0.02;
-/// … nor within this share of the least gain of the misfit per value.
-constexpr double kTieGain = 0.25;
+constexpr int kMostRounds = 12;
+constexpr std::size_t kBeam = 6;        // sets that a search follows
+constexpr std::size_t kMostCauses = 6;  // of one answer: more describe, they do not explain
+constexpr std::size_t kShown = 8;       // candidates of a round that its record keeps
+constexpr int kHalvings = 2;
+constexpr int kMostSettling = 16, kMostRefining = 3;  // Gauss–Newton steps
+constexpr std::size_t kTried = 6;                    // sets of a round that are judged where they lead
+constexpr double kSettled = 0.5;                     // log evidence that a further step would still change
+// What a model leaves beyond the noise is alike at frequencies closer than this part of the lowest excited one.
+constexpr double kAlike = 0.2;
 
-/// Share of a stop's stiffness below which there is no stop.
-constexpr double kNoStop = 0.02;
+Information sumOf(const TestView& view, bool with_validation) {
+    Information all = view.identification;
+    if (with_validation) add(all, view.validation);
+    return all;
+}
 
-/// Fits with what follows the model, and what is left to change after them: the values in standard deviations, the
-/// misfit relative.
-constexpr int kFollowPasses = 4;
-constexpr double kNearDeviations = 0.3, kSettled = 1e-3;
+/// Misfit of each block at an estimate, and the scales that follow: what exceeds the noise comes in stretches that are
+/// alike, so that it weighs as fewer values.
+BlockScales calcScales(const TestProblem& problem, const Information& all, const Eigen::VectorXd& estimate) {
+    double alike = 0;
+    for (const TestRun& run : problem.runs()) {
+        const double duration = run.motion.time.back() - run.motion.time.front();
+        alike = std::max(alike, kAlike * run.band.lowest * duration);
+    }
+    BlockScales scales;
+    for (std::size_t k = 0; k < kBlocks; ++k) {
+        const double misfit = std::max(0.0, calcBlockMisfit(all[k], estimate));
+        scales[k].scale = 1 + std::max(0.0, misfit - 1) * std::max(1.0, alike);
+        scales[k].level = misfit;
+    }
+    return scales;
+}
 
-std::size_t countCauses(const std::vector<Candidate>& candidates) {
-    std::set<std::string> names;
-    for (const auto& candidate : candidates) names.insert(candidate.cause);
-    return names.size();
+std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& estimate) {
+    std::vector<double> misfits;
+    for (std::size_t k = 0; k < kBlocks; ++k) misfits.push_back(calcBlockMisfit(all[k], estimate));
+    return misfits;
+}
+
+double totalOf(const Information& all, const BlockScales& scales) {
+    double total = 0;
+    for (std::size_t k = 0; k < kBlocks; ++k)
+        if (!all[k].empty()) total += all[k].chi_squared / scales[k].scale;
+    return total;
 }
 
 class Selector {
 public:
-    Selector(OpenLoopProblem& identification, OpenLoopProblem& validation, const MountModel& model,
-             const SelectionOptions& options)
-        : identification_(identification),
-          validation_(validation),
-          base_(model),
-          options_(options),
-          trials_(identification, validation, {options.least_gain, options.only_place}) {}
+    Selector(TestProblem& problem, const std::function<void(const std::string&)>& progress)
+        : problem_(problem), progress_(progress) {}
 
     Selection run() {
-        setReference(base_);
-        trials_.lookAround(base_);
-        result_.fit = fitParameters(identification_, base_, {});
-        forward();
-        if (result_.accepted.size() > 1) exchange();
-        removeIdle();
-        split();
-        estimateErrors();
-        judge();
-        result_.identification_before = identification_.calcMisfit(base_);
-        result_.validation_before = validation_.calcMisfit(base_);
-        result_.identification_after = result_.fit.misfit;
-        result_.validation_after = validation_.calcMisfit(result_.fit.model);
+        tell("equations of motion");
+        result_.point = problem_.believedPoint();
+        result_.view = problem_.view(result_.point);
+        settle(kMostSettling, true);
+        result_.adjusted = result_.point;
+        for (int round = 0; round < kMostRounds; ++round)
+            if (!step(round)) break;
+        // What is predicted for the validation runs rests on the identification runs alone.
+        settle(kMostRefining, false);
+        result_.posterior = makeEvidence(problem_, result_.view, result_.scales, false).calcPosterior(result_.set);
         return std::move(result_);
     }
 
 private:
     void tell(const std::string& text) const {
-        if (options_.progress) options_.progress(text);
-    }
-    /// Of the validation runs, that a candidate is taken.
-    double calcNeededGain(double validation_misfit) const {
-        if (options_.judged_elsewhere) return -kTieGain * options_.least_gain;
-        return std::max(options_.least_gain, options_.least_fraction * std::max(0.0, validation_misfit - 1));
+        if (progress_) progress_(text);
     }
 
-    void setReference(const MountModel& model) {
-        identification_.setReference(model);
-        validation_.setReference(model);
-    }
-
-    /// A resonance that is new turns the noise of what drives it into noise of its own: its width and that noise follow
-    /// each other. So do the values and the slow motion that was not measured, known to first order around a model.
-    int countPasses() const {
-        const bool new_mode = std::any_of(result_.accepted.begin(), result_.accepted.end(),
-                                          [](const Candidate& c) { return c.new_mode.has_value(); });
-        return new_mode || identification_.hasSlowBalance() ? kFollowPasses : 1;
-    }
-
-    /// Accepted causes change what the noise does to the equations, and the slow motion where it was not measured: they
-    /// are fitted once more with their own.
-    void adopt(std::vector<Candidate> accepted, const MountModel& model) {
-        result_.accepted = std::move(accepted);
-        const auto knobs = collectKnobs(result_.accepted);
-        result_.fit.model = model;
-        double before = 0;
-        for (int pass = countPasses(); pass > 0; --pass) {
-            const MountModel present = result_.fit.model;
-            identification_.rewhiten(present);
-            validation_.rewhiten(present);
-            trials_.lookAround(present);
-            result_.fit = fitParameters(identification_, present, knobs);
-            setReference(result_.fit.model);
-            if (isNear(present, knobs) && std::abs(before - result_.fit.misfit) < kSettled * result_.fit.misfit) break;
-            before = result_.fit.misfit;
+    /// Scales for a set at the present view: the estimate depends on them and they on it.
+    BlockScales settleScales(const HypothesisSet& set) const {
+        const Information all = sumOf(result_.view, true);
+        BlockScales scales = calcScales(problem_, all, problem_.estimateOf(result_.point));
+        for (int pass = 0; pass < 3; ++pass) {
+            const Evidence evidence(combine(all, scales, problem_.reaches()), problem_.deviations(),
+                                    problem_.hypotheses());
+            scales = calcScales(problem_, all, evidence.calcMean(set));
         }
+        return scales;
     }
 
-    /// True if the fit's values are those of `model`, well within their uncertainty.
-    bool isNear(const MountModel& model, const std::vector<Knob>& knobs) const {
-        const double scale = std::sqrt(std::max(1.0, result_.fit.misfit));
-        for (std::size_t i = 0; i < knobs.size(); ++i) {
-            const auto k = static_cast<Eigen::Index>(i);
-            const double deviation = scale * std::sqrt(std::max(0.0, result_.fit.covariance(k, k)));
-            if (!(std::abs(result_.fit.values[i] - knobs[i].get(model)) <= kNearDeviations * deviation)) return false;
+    /// Gauss–Newton steps of the present set, until the next would change the evidence by less than a half.
+    void settle(int most, bool with_validation) {
+        for (int pass = 0; pass < most; ++pass) {
+            result_.scales = settleScales(result_.set);
+            const Evidence evidence = makeEvidence(problem_, result_.view, result_.scales, with_validation);
+            const Eigen::VectorXd present = problem_.estimateOf(result_.point),
+                                  estimate = evidence.calcMean(result_.set);
+            const double gain = calcObjective(evidence, present) - calcObjective(evidence, estimate);
+            show("settle", gain);
+            if (gain < 2 * kSettled || !move(present, estimate, with_validation)) break;
         }
+        result_.scales = settleScales(result_.set);
+    }
+
+    void show(const char* what, double gain) const {
+        if (!getenv("WEMS_SHOW")) return;
+        fprintf(stderr, "R %s gain %.3g at", what, gain);
+        for (double m : calcMisfits(sumOf(result_.view, true), problem_.estimateOf(result_.point)))
+            fprintf(stderr, " %.3g", m);
+        fprintf(stderr, "\n");
+    }
+
+    /// −2 log of likelihood and tolerances, beside a constant, as the quadratic has it.
+    double calcObjective(const Evidence& evidence, const Eigen::VectorXd& estimate) const {
+        return evidence.calcChange(estimate) + calcPriorSquare(estimate, result_.set);
+    }
+    double calcPriorSquare(const Eigen::VectorXd& estimate, const HypothesisSet& set) const {
+        double sum = 0;
+        const Eigen::VectorXd deviation = problem_.deviations();
+        for (Eigen::Index i = 0; i < deviation.size(); ++i) {
+            bool free = false;
+            for (const int h : set)
+                for (const auto& direction : problem_.hypotheses()[static_cast<std::size_t>(h)].directions)
+                    for (const auto& [column, weight] : direction) free = free || column == i;
+            if (!free && deviation[i] > 0) sum += std::pow(estimate[i] / deviation[i], 2);
+        }
+        return sum;
+    }
+
+    /// @return false when nothing changes any more
+    bool step(int round) {
+        const Evidence evidence = makeEvidence(problem_, result_.view, result_.scales, true);
+        tell("round " + std::to_string(round + 1));
+        // One cause more at a time: the next one is sought about a state that has this one.
+        const std::size_t largest = std::min(kMostCauses, result_.set.size() + 1);
+        result_.ranked = evidence.search({result_.set}, kBeam, largest);
+        const Trial best = tryBest(evidence);
+        const bool same = best.set == result_.set;
+        Decision decision = record(evidence, best.set);
+        decision.action = same ? "nothing more to add, take away or exchange" : "causes changed";
+        result_.decisions.push_back(decision);
+        if (same) return false;
+        const Eigen::VectorXd present = problem_.estimateOf(result_.point);
+        result_.set = best.set;
+        take(present, evidence.calcMean(best.set));
+        settle(kMostRefining, true);
         return true;
     }
 
-    void forward() {
-        for (int number = 0; number < options_.max_rounds; ++number) {
-            Round round;
-            round.identification_before = result_.fit.misfit;
-            round.validation_before = validation_.calcMisfit(result_.fit.model);
-            tell("round " + std::to_string(number + 1) + ": screening");
-            const auto place = calcPlaceShares(identification_, result_.fit.model, result_.fit.residual).front();
-            round.place = place.name;
-            round.place_share = place.share;
-            const auto fitted = trials_.fitBest(result_.fit, result_.accepted, options_.trials);
-            for (const auto& entry : fitted) round.trials.push_back(entry.trial);
-            const double needed = calcNeededGain(round.validation_before);
-            for (std::size_t i = 0; i < round.trials.size() && round.taken < 0; ++i) {
-                const auto& trial = round.trials[i];
-                auto all = result_.accepted;
-                all.push_back(trial.candidate);
-                if (countCauses(all) > static_cast<std::size_t>(options_.max_causes)) continue;
-                const double gain_identification = round.identification_before - trial.identification;
-                const double gain_validation = round.validation_before - trial.validation;
-                if (i > 0 && !isTie(trial.identification, round.trials.front().identification)) break;
-                if (gain_identification < options_.least_gain || gain_validation < needed) continue;
-                round.taken = static_cast<int>(i);
+    /// A set and what the equations really say where its estimate lies.
+    struct Trial {
+        HypothesisSet set;
+        double log_evidence = 0;
+    };
+
+    /// The best few sets by the quadratic, each judged where its estimate lies: covariance, laws and sensors follow.
+    Trial tryBest(const Evidence& evidence) {
+        Trial best{result_.set, evidence.calcLogEvidence(result_.set)};
+        const Information here = sumOf(result_.view, true);
+        const Eigen::VectorXd present = problem_.estimateOf(result_.point);
+        double base = 0;  // total of the quadratic at the believed values
+        for (std::size_t k = 0; k < kBlocks; ++k)
+            if (!here[k].empty()) base += here[k].chi_squared / result_.scales[k].scale;
+        const double floor = best.log_evidence;
+        std::size_t tried = 0;
+        for (RankedSet& ranked : result_.ranked) {
+            if (ranked.log_evidence <= floor || tried == kTried) break;
+            ++tried;
+            const Eigen::VectorXd estimate = evidence.calcMean(ranked.members);
+            const double predicted = base + evidence.calcChange(estimate);
+            const double actual = totalOf(problem_.misfit(problem_.pointAt(estimate, ranked.members)), result_.scales);
+            const double before = ranked.log_evidence;
+            if (actual > predicted) ranked.log_evidence -= 0.5 * (actual - predicted);
+            if (getenv("WEMS_SHOW")) {
+                fprintf(stderr, "R   try %.1f -> %.1f (of %.1f):", before, ranked.log_evidence, floor);
+                for (int h : ranked.members)
+                    fprintf(stderr, " | %s", describe(problem_.hypotheses()[static_cast<std::size_t>(h)]).c_str());
+                fprintf(stderr, "\n");
             }
-            round.reason = round.taken >= 0 ? options_.judged_elsewhere ? "taken, as the simulation judges" : "taken"
-                           : round.trials.empty() ? "no candidate promises a gain"
-                                                  : "no candidate gains enough on the validation runs";
-            const bool go_on = round.taken >= 0;
-            result_.rounds.push_back(round);
-            if (!go_on) break;
-            const auto taken = static_cast<std::size_t>(round.taken);
-            tell("taken: " + round.trials[taken].candidate.describe());
-            auto accepted = result_.accepted;
-            accepted.push_back(round.trials[taken].candidate);
-            adopt(accepted, fitted[taken].fit.model);
+            if (ranked.log_evidence > best.log_evidence) best = {ranked.members, ranked.log_evidence};
         }
+        std::sort(result_.ranked.begin(), result_.ranked.end(),
+                  [](const RankedSet& a, const RankedSet& b) { return a.log_evidence > b.log_evidence; });
+        return best;
     }
 
-    bool isTie(double a, double b) const {
-        return std::abs(a - b) <
-               std::max(kTieGain * options_.least_gain, kTieFraction * std::max(0.0, std::min(a, b) - 1));
+    double calcTotal(const TestView& view, const TestPoint& point, bool with_validation) const {
+        const Eigen::VectorXd at = problem_.estimateOf(point);
+        const Information all = sumOf(view, with_validation);
+        double total = calcPriorSquare(at, result_.set);
+        for (std::size_t k = 0; k < kBlocks; ++k)
+            total += calcBlockMisfit(all[k], at) * all[k].count / result_.scales[k].scale;
+        return total;
     }
 
-    ParameterFit refit(const std::vector<Candidate>& accepted) {
-        MountModel start = base_;
-        for (const auto& candidate : accepted) {
-            std::vector<double> values;
-            for (const auto& knob : candidate.knobs) values.push_back(knob.get(result_.fit.model));
-            candidate.apply(start, values);
+    /// To the estimate, or part of the way if the misfit does not follow. @return false if it never does
+    bool move(const Eigen::VectorXd& present, const Eigen::VectorXd& estimate, bool with_validation) {
+        const double before = calcTotal(result_.view, result_.point, with_validation);
+        double share = 1;
+        for (int halving = 0; halving <= kHalvings; ++halving, share *= 0.5) {
+            const Eigen::VectorXd target = present + share * (estimate - present);
+            TestPoint point = problem_.pointAt(target, result_.set);
+            TestView view = problem_.view(point);
+            if (calcTotal(view, point, with_validation) > before) continue;
+            result_.point = std::move(point);
+            result_.view = std::move(view);
+            return true;
         }
-        return fitParameters(identification_, start, collectKnobs(accepted));
+        return false;
     }
 
-    /// A wrong first choice may have been taken before the others were known: each is tried against all others.
-    void exchange() {
-        for (std::size_t i = 0; i < result_.accepted.size(); ++i) {
-            auto others = result_.accepted;
-            others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-            const auto present = refit(others);
-            tell("exchange of " + result_.accepted[i].describe());
-            setReference(present.model);
-            const auto fitted = trials_.fitBest(present, others, 4);
-            setReference(result_.fit.model);
-            if (fitted.empty()) continue;
-            const auto& [best, fit] = fitted.front();
-            const double now = result_.fit.misfit;
-            if (best.identification < now - options_.least_gain && !isTie(best.identification, now) &&
-                best.validation < validation_.calcMisfit(result_.fit.model)) {
-                others.push_back(best.candidate);
-                adopt(others, fit.model);
-            }
+    /// To the estimate of a set that has just been chosen; what it sought far off becomes part of the table.
+    void take(const Eigen::VectorXd&, const Eigen::VectorXd& estimate) {
+        result_.point = problem_.pointAt(estimate, result_.set);
+        problem_.adopt(result_.set);
+        // Rows count from new believed values and columns are others now.
+        result_.point = problem_.pointAt(problem_.estimateOf(result_.point), result_.set);
+        result_.view = problem_.view(result_.point);
+    }
+
+    Decision record(const Evidence& evidence, const HypothesisSet& best) const {
+        Decision decision;
+        for (const int h : best)
+            decision.causes.push_back(describe(problem_.hypotheses()[static_cast<std::size_t>(h)]));
+        decision.log_evidence = evidence.calcLogEvidence(best) - evidence.calcLogEvidence({});
+        decision.misfit = calcMisfits(sumOf(result_.view, true), evidence.calcMean(best));
+        const double base = evidence.calcLogEvidence(result_.set);
+        const auto extended = evidence.calcExtensions(result_.set);
+        std::vector<std::size_t> order(extended.size());
+        for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+        std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return extended[a] > extended[b]; });
+        for (std::size_t i = 0; i < std::min(kShown, order.size()); ++i) {
+            const auto& hypothesis = problem_.hypotheses()[order[i]];
+            if (std::isfinite(extended[order[i]]))
+                decision.candidates.push_back({hypothesis.cause, hypothesis.where, extended[order[i]] - base});
         }
+        return decision;
     }
 
-    /// What the others make superfluous goes.
-    void removeIdle() {
-        for (std::size_t i = result_.accepted.size(); i-- > 0 && result_.accepted.size() > 1;) {
-            auto others = result_.accepted;
-            others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-            const auto fit = refit(others);
-            const double validation = validation_.calcMisfit(result_.fit.model);
-            if (fit.misfit - result_.fit.misfit < options_.least_gain ||
-                validation_.calcMisfit(fit.model) - validation < calcNeededGain(validation)) {
-                adopt(others, fit.model);
-            }
-        }
-    }
-
-    /// Values that were taken to be common to several places are set free where that pays.
-    void split() {
-        for (std::size_t i = 0; i < result_.accepted.size(); ++i) {
-            auto all = result_.accepted;
-            auto& candidate = all[i];
-            std::vector<Knob> single;
-            for (const auto& knob : candidate.knobs)
-                for (const auto& name : knob.names) single.push_back(makeKnob(name));
-            if (single.size() == candidate.knobs.size()) continue;
-            const double extra = static_cast<double>(single.size() - candidate.knobs.size());
-            candidate.knobs = single;
-            candidate.linear = single.size();
-            const auto fit = fitParameters(identification_, result_.fit.model, collectKnobs(all));
-            const double gain = result_.fit.misfit - fit.misfit;
-            const double now = fit.misfit;
-            if (gain * static_cast<double>(identification_.size()) > 4 * trials_.price(now) * extra &&
-                gain > options_.least_gain &&
-                validation_.calcMisfit(fit.model) < validation_.calcMisfit(result_.fit.model)) {
-                result_.accepted = all;
-                result_.fit = fit;
-                setReference(fit.model);
-            }
-        }
-    }
-
-    /// What noise alone does not explain between two sets of runs belongs into the intervals.
-    void estimateErrors() {
-        const auto knobs = collectKnobs(result_.accepted);
-        if (knobs.empty()) return;
-        const auto other = fitParameters(validation_, result_.fit.model, knobs, 4);
-        const double scale = std::sqrt(std::max(1.0, result_.fit.misfit));
-        for (std::size_t i = 0; i < knobs.size(); ++i) {
-            const auto k = static_cast<Eigen::Index>(i);
-            const double variance = result_.fit.covariance(k, k) + other.covariance(k, k);
-            const double difference = std::abs(other.values[i] - result_.fit.values[i]);
-            const double discrepancy = variance > 0 ? std::max(1.0, difference / std::sqrt(variance)) : 1.0;
-            result_.standard_errors.push_back(scale * discrepancy *
-                                              std::sqrt(std::max(0.0, result_.fit.covariance(k, k))));
-        }
-    }
-
-    /// True if a trial is the accepted cause in other words: a stop without stiffness is a stop that is removed.
-    bool isSame(const Trial& trial, const Candidate& accepted) const {
-        if (trial.candidate.where != accepted.where) return false;
-        if (trial.candidate.cause == accepted.cause) return true;
-        if (accepted.cause != "clearance" || !accepted.knobs.empty() || trial.candidate.cause != "stop_stiffness")
-            return false;
-        return trial.values.front() < kNoStop * trial.candidate.knobs.front().get(base_);
-    }
-
-    /// Rivals and the price of leaving each out.
-    void judge() {
-        const double now = result_.fit.misfit;
-        for (std::size_t i = 0; i < result_.accepted.size(); ++i) {
-            auto others = result_.accepted;
-            others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-            const auto present = refit(others);
-            result_.without.push_back(validation_.calcMisfit(present.model));
-            result_.models_without.push_back(present.model);
-            tell("rivals of " + result_.accepted[i].describe());
-            setReference(present.model);
-            const auto fitted = trials_.fitBest(present, others, options_.trials);
-            setReference(result_.fit.model);
-            std::vector<Trial> rivals;
-            for (const auto& [trial, fit] : fitted)
-                if (!isSame(trial, result_.accepted[i]) && isTie(trial.identification, now)) rivals.push_back(trial);
-            result_.rivals.push_back(rivals);
-        }
-    }
-
-    OpenLoopProblem &identification_, &validation_;
-    MountModel base_;
-    SelectionOptions options_;
-    TrialFits trials_;
+    TestProblem& problem_;
+    const std::function<void(const std::string&)>& progress_;
     Selection result_;
 };
 
 }  // namespace
 
-Selection selectCauses(OpenLoopProblem& identification, OpenLoopProblem& validation, const MountModel& model,
-                       const SelectionOptions& options) {
-    return Selector(identification, validation, model, options).run();
+Evidence makeEvidence(const TestProblem& problem, const TestView& view, const BlockScales& scales,
+                      bool with_validation) {
+    return {combine(sumOf(view, with_validation), scales, problem.reaches()), problem.deviations(),
+            problem.hypotheses()};
+}
+
+double Selection::probabilityOf(int hypothesis) const {
+    double with = 0, all = 0;
+    for (const RankedSet& entry : ranked) {
+        const double weight = std::exp(entry.log_evidence - ranked.front().log_evidence);
+        all += weight;
+        if (std::binary_search(entry.members.begin(), entry.members.end(), hypothesis)) with += weight;
+    }
+    return all > 0 ? with / all : 0;
+}
+
+std::string describe(const Hypothesis& hypothesis) {
+    std::string text = hypothesis.cause;
+    for (const auto& place : hypothesis.where) text += " " + place;
+    return text;
+}
+
+Selection selectCauses(TestProblem& problem, const std::function<void(const std::string&)>& progress) {
+    return Selector(problem, progress).run();
 }
 
 }  // namespace wems::identify

@@ -1,55 +1,54 @@
 /// @file
-/// Which causes, together, explain the open-loop residual: forward selection with joint refits, exchange and removal.
+/// Which causes the recordings speak for: rounds of linearisation, search by evidence, and moving to the best estimate.
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "identify/diagnose/catalogue.hpp"
-#include "identify/diagnose/open_loop_problem.hpp"
-#include "identify/diagnose/parameter_fit.hpp"
-#include "identify/diagnose/trial_fits.hpp"
+#include "identify/diagnose/test_problem.hpp"
 
 namespace wems::identify {
 
-/// One round: the misfits before, the best candidates in order, which was taken (index, -1 for none) and why.
-struct Round {
-    double identification_before = 0, validation_before = 0;
-    std::vector<Trial> trials;
-    int taken = -1;
-    std::string reason;
-    std::string place;       ///< the axis at which a force of any history explains most of the mount's residual …
-    double place_share = 0;  ///< … and how much of it (0 … 1)
+/// One candidate of a round with its figures.
+struct RankedCause {
+    std::string cause;
+    std::vector<std::string> where;
+    double log_odds = 0;  ///< of the set with it over the set that the round began with
+};
+
+/// What a round tried and did.
+struct Decision {
+    std::string action;                   ///< one sentence
+    std::vector<std::string> causes;      ///< those taken after the round, `clearance 4.z.+`
+    double log_evidence = 0;              ///< of that set over no cause, at the round's linearisation
+    std::vector<double> misfit;           ///< chi-squared per value: mount, bracket, mobile and fixed sensors
+    std::vector<RankedCause> candidates;  ///< the best few
 };
 
 struct Selection {
-    std::vector<Candidate> accepted;
-    std::vector<std::vector<Trial>> rivals;  ///< for each accepted, those that fit as well in its place
-    std::vector<double> without;             ///< validation misfit without it, the others refitted
-    std::vector<MountModel> models_without;  ///< the models of these misfits
-    ParameterFit fit;                        ///< all accepted together, on the identification runs
-    /// Of each value of the fit: what the noise and the misfit make of it, widened where the validation runs alone want
-    /// a value that differs by more.
-    std::vector<double> standard_errors;
-    double identification_before = 0, validation_before = 0;
-    double identification_after = 0, validation_after = 0;
-    std::vector<Round> rounds;
+    HypothesisSet set;
+    TestPoint point;     ///< with the set's causes
+    TestPoint adjusted;  ///< with adjustments alone
+    TestView view;       ///< at `point`
+    BlockScales scales;
+    std::vector<RankedSet> ranked;  ///< at the last linearisation, all runs together
+    Posterior posterior;            ///< of the identification runs
+    std::vector<Decision> decisions;
+
+    /// Probability of a hypothesis over the ranked sets.
+    double probabilityOf(int hypothesis) const;
 };
 
-struct SelectionOptions {
-    int max_rounds = 6;
-    int max_causes = 4;
-    int trials = 8;                 ///< candidates fitted in each round
-    double least_gain = 0.04;       ///< of the misfit per value, on both groups
-    bool judged_elsewhere = false;  ///< the validation runs need not gain, only not lose: a simulation judges
-    double least_fraction = 0.08;   ///< of what the validation misfit exceeds 1 by
-    std::string only_place;         ///< axis (`1.x`) at which alone causes are tried; empty: everywhere
-    std::function<void(const std::string&)> progress;
-};
+/// @param progress may be empty
+Selection selectCauses(TestProblem& problem, const std::function<void(const std::string&)>& progress);
 
-/// @param validation the runs that judge; may be the identification runs themselves if there are no others
-Selection selectCauses(OpenLoopProblem& identification, OpenLoopProblem& validation, const MountModel& model,
-                       const SelectionOptions& options);
+/// `clearance 4.z.+ 4.z.-`
+std::string describe(const Hypothesis& hypothesis);
+
+/// Evidence of all runs, or of the identification runs alone, at a view.
+Evidence makeEvidence(const TestProblem& problem, const TestView& view, const BlockScales& scales,
+                      bool with_validation);
 
 }  // namespace wems::identify

@@ -1,0 +1,135 @@
+#include "identify/problem/bracket_equation.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <complex>
+#include <limits>
+
+#include "identify/problem/mount_equation.hpp"
+#include "models/load_gain.hpp"
+#include "models/pi.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr double kPadding = 10.0;  // s for the response to die out
+
+/// modes x 12.
+Eigen::MatrixXd calcParticipations(const MountModel& model) {
+    Eigen::MatrixXd rows(static_cast<Eigen::Index>(model.bracket.size()), 12);
+    for (Eigen::Index j = 0; j < rows.rows(); ++j)
+        rows.row(j) = calcParticipation(model.bracket[static_cast<std::size_t>(j)]).transpose();
+    return rows;
+}
+
+}  // namespace
+
+std::complex<double> calcModalResponse(const BracketMode& mode, double w) {
+    const double w0 = kTwoPi * mode.frequency;
+    const double real = w0 * w0 - w * w, imaginary = 2 * mode.damping_ratio * w0 * w;
+    const double square = real * real + imaginary * imaginary;
+    return {real / square, -imaginary / square};
+}
+
+Eigen::Matrix<double, 6, 1> calcShape(const BracketMode& mode) {
+    Eigen::Matrix<double, 6, 1> shape;
+    shape << mode.translation, mode.rotation;
+    return shape;
+}
+
+Eigen::Matrix<double, 12, 1> calcParticipation(const BracketMode& mode) {
+    Eigen::Matrix<double, 12, 1> participation;
+    participation << mode.translation, mode.rotation, mode.load_translation, mode.base_participation;
+    return participation;
+}
+
+BracketEquation::BracketEquation(const OpenLoopRun& run)
+    : run_(&run), fourier_(run.sampleCount() + static_cast<int>(kPadding / run.interval)) {}
+
+bool BracketEquation::isAvailable(const OpenLoopRun& run, const MountModel& model) {
+    return !model.bracket.empty() && run.fixed_measured && (run.load.cols() > 0 || run.base.cols() > 0);
+}
+
+Eigen::MatrixXd BracketEquation::calcResponse(const MountModel& model,
+                                              const Eigen::Ref<const Eigen::MatrixXd>& modal_forces) const {
+    const Eigen::MatrixXcd spectra = fourier_.forward(modal_forces);
+    Eigen::MatrixXcd motion = Eigen::MatrixXcd::Zero(6, spectra.cols());
+    const double step = kTwoPi / (fourier_.size() * run_->interval);
+    for (std::size_t j = 0; j < model.bracket.size(); ++j) {
+        const auto& mode = model.bracket[j];
+        const auto shape = calcShape(mode);
+        for (Eigen::Index k = 0; k < spectra.cols(); ++k) {
+            const auto response = calcModalResponse(mode, step * static_cast<double>(k));
+            motion.col(k) += shape * (response * spectra(static_cast<Eigen::Index>(j), k));
+        }
+    }
+    return fourier_.inverse(motion, run_->sampleCount());
+}
+
+Eigen::MatrixXd BracketEquation::calcWrench(const Eigen::Ref<const Eigen::MatrixXd>& demand) const {
+    Eigen::MatrixXd on_fixed = -demand;
+    for (int k = 0; k < run_->sampleCount(); ++k) {
+        const Eigen::Vector3d arm = run_->mobile.p.col(k) - run_->fixed.p.col(k);
+        on_fixed.block<3, 1>(3, k) += arm.cross(on_fixed.block<3, 1>(0, k).eval());
+    }
+    return on_fixed;
+}
+
+Eigen::MatrixXd BracketEquation::calcModalForces(const MountModel& model,
+                                                 const Eigen::Ref<const Eigen::MatrixXd>& demand) const {
+    return calcParticipations(model).leftCols(6) * calcWrench(demand);
+}
+
+Eigen::MatrixXd BracketEquation::calcInputs(const MountModel& model) const {
+    Eigen::MatrixXd inputs = Eigen::MatrixXd::Zero(12, run_->sampleCount());
+    inputs.topRows(6) = calcWrench(calcDemand(*run_, model.body, model.gravity));
+    if (run_->load.cols() > 0) inputs.middleRows(6, 3) = run_->load;
+    if (model.load)
+        for (Eigen::Index k = 0; k < run_->load.cols(); ++k)
+            inputs.block<3, 1>(6, k) *= calcLoadGain(
+                *model.load, k < run_->swept.size() ? run_->swept[k] : std::numeric_limits<double>::quiet_NaN());
+    if (run_->base.cols() > 0) inputs.bottomRows(3) = -run_->base;
+    return inputs;
+}
+
+Eigen::MatrixXd BracketEquation::calcPrediction(const MountModel& model) const {
+    return calcResponse(model, calcParticipations(model) * calcInputs(model));
+}
+
+Eigen::MatrixXcd BracketEquation::calcInputSpectra(const MountModel& model) const {
+    return fourier_.forward(calcInputs(model));
+}
+
+Eigen::VectorXd BracketEquation::calcModeCoordinate(const BracketMode& mode,
+                                                    const Eigen::Ref<const Eigen::VectorXcd>& force_spectrum) const {
+    const double step = kTwoPi / (fourier_.size() * run_->interval);
+    Eigen::MatrixXcd coordinate(1, force_spectrum.size());
+    for (Eigen::Index k = 0; k < force_spectrum.size(); ++k)
+        coordinate(0, k) = calcModalResponse(mode, step * static_cast<double>(k)) * force_spectrum[k];
+    return fourier_.inverse(coordinate, run_->sampleCount()).transpose();
+}
+
+Eigen::VectorXd BracketEquation::calcModeDifference(const BracketMode& from, const BracketMode& to,
+                                                    const Eigen::Ref<const Eigen::VectorXcd>& force_spectrum) const {
+    const double step = kTwoPi / (fourier_.size() * run_->interval);
+    Eigen::MatrixXcd coordinate(1, force_spectrum.size());
+    for (Eigen::Index k = 0; k < force_spectrum.size(); ++k) {
+        const double w = step * static_cast<double>(k);
+        coordinate(0, k) = (calcModalResponse(to, w) - calcModalResponse(from, w)) * force_spectrum[k];
+    }
+    return fourier_.inverse(coordinate, run_->sampleCount()).transpose();
+}
+
+Eigen::MatrixXd BracketEquation::calcBodyDifference(const MountModel& from, const MountModel& to) const {
+    const Eigen::MatrixXd demand = calcDemand(*run_, to.body, to.gravity) - calcDemand(*run_, from.body, from.gravity);
+    return calcResponse(to, calcModalForces(to, demand));
+}
+
+Eigen::MatrixXd BracketEquation::calcResidual(const MountModel& model) const {
+    Eigen::MatrixXd residual = calcPrediction(model);
+    residual.topRows(3) -= run_->fixed.p;
+    residual.bottomRows(3) -= run_->fixed.theta;
+    return residual;
+}
+
+}  // namespace wems::identify

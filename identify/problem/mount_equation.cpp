@@ -1,0 +1,120 @@
+#include "identify/problem/mount_equation.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <vector>
+
+#include "identify/problem/sliding_friction.hpp"
+
+namespace wems::identify {
+namespace {
+
+/// z(h) of z' = (q − z)/τ over a step: decay · z(0) + weights · (q0, h v0, q1, h v1) for cubic Hermite q.
+struct BranchStep {
+    double decay;
+    double weight[4];
+};
+
+BranchStep makeBranchStep(double interval, double time_constant) {
+    const double x = interval / time_constant;
+    BranchStep step{std::exp(-x), {0, 0, 0, 0}};
+    // Gauss–Legendre on pieces no longer than the time constant.
+    constexpr double kNode[3] = {-0.7745966692414834, 0.0, 0.7745966692414834};
+    constexpr double kWeight[3] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
+    const int pieces = std::max(4, static_cast<int>(std::ceil(2 * x)));
+    for (int i = 0; i < pieces; ++i) {
+        for (int g = 0; g < 3; ++g) {
+            const double u = (i + 0.5 + 0.5 * kNode[g]) / pieces;  // 0 … 1 within the step
+            const double factor = 0.5 * kWeight[g] / pieces * x * std::exp(-x * (1 - u));
+            const double u2 = u * u, u3 = u2 * u;
+            step.weight[0] += factor * (2 * u3 - 3 * u2 + 1);
+            step.weight[1] += factor * (u3 - 2 * u2 + u);
+            step.weight[2] += factor * (3 * u2 - 2 * u3);
+            step.weight[3] += factor * (u3 - u2);
+        }
+    }
+    return step;
+}
+
+Eigen::Vector3d axisDirection(const OpenLoopRun& run, std::size_t sample, int axis) {
+    return run.fixed.R[sample].col(axis);
+}
+
+}  // namespace
+
+Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int connection, int axis) {
+    const bool sliding = law.friction && !law.friction->presliding_stiffness;
+    AxisLaw smooth = law;
+    if (sliding) smooth.friction.reset();
+    const AxisForce force(smooth);
+    const int row = 3 * connection + axis;
+    const Eigen::VectorXd q = run.q.row(row), v = run.v.row(row);
+    const int count = run.sampleCount();
+    Eigen::VectorXd result(count);
+    const auto& branches = force.branches();
+    std::vector<double> z(static_cast<std::size_t>(force.stateCount()), 0.0);
+    std::vector<BranchStep> steps;
+    for (std::size_t b = 0; b < branches.size(); ++b) {
+        steps.push_back(makeBranchStep(run.interval, branches[b].time_constant));
+        z[b] = q[0];
+    }
+    const bool bristle = z.size() > branches.size();
+    const double stretch =
+        bristle && law.friction->force > 0 ? law.friction->force / *law.friction->presliding_stiffness : 0.0;
+    for (int k = 0; k < count; ++k) {
+        if (k > 0) {
+            for (std::size_t b = 0; b < branches.size(); ++b) {
+                const auto& s = steps[b];
+                z[b] = s.decay * z[b] + s.weight[0] * q[k - 1] + s.weight[1] * run.interval * v[k - 1] +
+                       s.weight[2] * q[k] + s.weight[3] * run.interval * v[k];
+            }
+            if (bristle) {
+                const double dq = q[k] - q[k - 1];
+                const double limit = std::copysign(stretch, dq);
+                z.back() = stretch > 0 ? limit + (z.back() - limit) * std::exp(-std::abs(dq) / stretch) : 0.0;
+            }
+        }
+        result[k] = force.calcForce(q[k], v[k], run.time[k], z.data());
+    }
+    if (sliding)
+        result += law.friction->force * calcSlidingDirection(run.quiet_v.row(row), law.friction->transition_velocity);
+    return result;
+}
+
+void addAxisWrench(const OpenLoopRun& run, const MountModel& model, int connection, int axis,
+                   const Eigen::Ref<const Eigen::VectorXd>& f, Eigen::MatrixXd& wrench) {
+    const Eigen::Vector3d position = model.connections[static_cast<std::size_t>(connection)].position;
+    for (int k = 0; k < run.sampleCount(); ++k) {
+        const auto s = static_cast<std::size_t>(k);
+        const Eigen::Vector3d force = f[k] * axisDirection(run, s, axis);
+        wrench.block<3, 1>(0, k) += force;
+        wrench.block<3, 1>(3, k) += (run.mobile.R[s] * position).cross(force);
+    }
+}
+
+Eigen::MatrixXd calcDemand(const OpenLoopRun& run, const MobileBody& body, const Eigen::Vector3d& gravity) {
+    Eigen::MatrixXd demand(6, run.sampleCount());
+    for (int k = 0; k < run.sampleCount(); ++k) {
+        const Eigen::Matrix3d& R = run.mobile.R[static_cast<std::size_t>(k)];
+        const Eigen::Vector3d c = R * body.center_of_gravity, w = run.mobile.w.col(k), alpha = run.mobile.alpha.col(k);
+        const Eigen::Vector3d a = run.mobile.a.col(k) + alpha.cross(c) + w.cross(w.cross(c)) - gravity;
+        const Eigen::Matrix3d inertia = R * body.inertia * R.transpose();
+        const Eigen::Vector3d force = body.mass * a;
+        demand.block<3, 1>(0, k) = force;
+        demand.block<3, 1>(3, k) = inertia * alpha + w.cross(inertia * w + R * body.spin) + c.cross(force);
+    }
+    return demand;
+}
+
+Eigen::MatrixXd calcMountResidual(const OpenLoopRun& run, const MountModel& model) {
+    Eigen::MatrixXd wrench = calcDemand(run, model.body, model.gravity);
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        for (int a = 0; a < 3; ++a) {
+            const auto c = static_cast<int>(i);
+            const auto& law = model.connections[i].axis[static_cast<std::size_t>(a)];
+            addAxisWrench(run, model, c, a, calcAxisForce(run, law, c, a), wrench);
+        }
+    return wrench;
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,34 @@
+/// @file
+/// The equation of motion of the rigid mobile part along a measured motion: what the motion demands minus what the
+/// model's laws give. Nothing is simulated, so that nothing is chaotic.
+///
+/// Wrenches are 6 x samples, in G: force (N) above moment about the origin of M (N m). With c = R_GM p_MoBcm:
+///
+///     demand  = [ m (a_cm − g) ;  R I Rᵀ α + w × (R I Rᵀ w + R h) + c × m (a_cm − g) ]
+///     residual = demand + Σ_i [ R_GF f_i ;  R_GM r_i × R_GF f_i ]          (the mobile part receives −f)
+///
+/// Internal states of the laws (relaxation, structural damping, bristle) are integrated along the measured motion from
+/// rest: Maxwell branches exactly for cubic Hermite q(t), the bristle exactly in q.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "identify/problem/open_loop_run.hpp"
+#include "models/mount_model.hpp"
+
+namespace wems::identify {
+
+/// Law of one axis along its measured motion, N, positive with q.
+Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int connection, int axis);
+
+/// Adds the wrench that belongs to force `f` at an axis (the sign of the residual) to `wrench`.
+void addAxisWrench(const OpenLoopRun& run, const MountModel& model, int connection, int axis,
+                   const Eigen::Ref<const Eigen::VectorXd>& f, Eigen::MatrixXd& wrench);
+
+/// Demanded wrench.
+Eigen::MatrixXd calcDemand(const OpenLoopRun& run, const MobileBody& body, const Eigen::Vector3d& gravity);
+
+/// Demand plus all axes.
+Eigen::MatrixXd calcMountResidual(const OpenLoopRun& run, const MountModel& model);
+
+}  // namespace wems::identify

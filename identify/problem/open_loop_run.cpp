@@ -1,0 +1,169 @@
+#include "identify/problem/open_loop_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/problem/aliasing.hpp"
+#include "identify/problem/rigid_matrices.hpp"
+#include "identify/problem/velocity_noise.hpp"
+#include "models/bryant.hpp"
+#include "models/mount_forces.hpp"
+#include "models/pi.hpp"
+
+namespace wems::identify {
+namespace {
+
+// In units of the highest excited frequency f: harmonics up to the fourth, as laws act on the smoothed motion; then a
+// transition band; and a rate that holds what is left.
+constexpr double kPass = 4.4, kStop = 7.6, kLeastRate = 19;
+constexpr double kTaper = 0.75;                 // periods of the lowest excited frequency
+constexpr double kLongestTaper = 0.05;          // of the recording
+constexpr double kSmallestNoise = 1e-8;         // m: round-off of a file, where the noise is not known
+constexpr double kSmallestAcceleration = 1e-5;  // m/s²
+constexpr double kUnmeasured = 1.0;             // m: the accelerations alone count
+
+SmoothPart smooth(const PartMotion& part, const SmoothingKernel& kernel, int step) {
+    SmoothPart result;
+    result.p = kernel.apply(part.p, 0, step);
+    result.v = kernel.apply(part.p, 1, step);
+    result.a = kernel.apply(part.p, 2, step);
+    result.theta = kernel.apply(part.theta, 0, step);
+    const Eigen::MatrixXd rate = kernel.apply(part.theta, 1, step), rate2 = kernel.apply(part.theta, 2, step);
+    const Eigen::Index count = result.p.cols();
+    result.w.resize(3, count);
+    result.alpha.resize(3, count);
+    result.R.resize(static_cast<std::size_t>(count));
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const Eigen::Vector3d theta = result.theta.col(k), u = rate.col(k), u2 = rate2.col(k);
+        const Eigen::Matrix3d B = leftJacobian(theta);
+        result.R[static_cast<std::size_t>(k)] = rotationFromVector(theta);
+        result.w.col(k) = B * u;
+        // d/dt B(θ) to second order in θ: B = 1 + [θ]×/2 + [θ]×²/6.
+        const Eigen::Matrix3d T = crossMatrix(theta), U = crossMatrix(u);
+        result.alpha.col(k) = B * u2 + (0.5 * U + (T * U + U * T) / 6.0) * u;
+    }
+    return result;
+}
+
+double knownNoise(double measured) {
+    return std::isfinite(measured) && measured > kSmallestNoise ? measured : kSmallestNoise;
+}
+
+/// Noise density of a part's displacement along `direction` at angular frequency w, m²/Hz, one-sided.
+double calcDensity(const PartMotion& part, const Eigen::Matrix<double, 6, 1>& direction, double interval, double w) {
+    const double displacement = knownNoise(part.displacement_noise), acceleration = part.acceleration_noise;
+    const double by_displacement =
+        displacement * displacement * direction.dot(part.displacement_covariance * direction);
+    const double by_acceleration =
+        acceleration * acceleration / std::pow(w, 4) * direction.dot(part.acceleration_covariance * direction);
+    if (!part.acceleration_measured) return part.displacement_measured ? 2 * interval * by_displacement : 0.0;
+    if (!part.displacement_measured) return 2 * interval * by_acceleration;
+    return 2 * interval / (1 / by_displacement + 1 / by_acceleration);
+}
+
+/// Of each relative velocity, as removeVelocityNoise takes it.
+Eigen::MatrixXd calcVelocityDensity(const RunMotion& run, const MountModel& model, const ExcitedBand& band,
+                                    double interval, double lowest) {
+    const int frame = velocityNoiseFrame(interval, band.lowest);
+    Eigen::MatrixXd density(3 * static_cast<Eigen::Index>(model.connections.size()), frame / 2 + 1);
+    for (Eigen::Index row = 0; row < density.rows(); ++row) {
+        const auto direction = calcAxisDirection(model, static_cast<int>(row / 3), static_cast<int>(row % 3));
+        for (Eigen::Index b = 0; b < density.cols(); ++b) {
+            const double w =
+                kTwoPi * std::max(static_cast<double>(b) / (frame * interval), std::max(lowest, 0.1 * band.lowest));
+            density(row, b) = w * w *
+                              (calcDensity(run.mobile, direction, run.interval, w) +
+                               calcDensity(run.fixed, direction, run.interval, w));
+        }
+    }
+    return density;
+}
+
+}  // namespace
+
+void calcRelative(const MountModel& model, const SmoothPart& mobile, const SmoothPart& fixed, Eigen::MatrixXd& q,
+                  Eigen::MatrixXd& v) {
+    const auto count = mobile.p.cols();
+    const auto connections = static_cast<Eigen::Index>(model.connections.size());
+    q.resize(3 * connections, count);
+    v.resize(3 * connections, count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const auto s = static_cast<std::size_t>(k);
+        const BodyMotion body{mobile.R[s], mobile.p.col(k), mobile.w.col(k), mobile.v.col(k)};
+        const FrameMotion frame{fixed.R[s], fixed.p.col(k), fixed.w.col(k), fixed.v.col(k)};
+        for (Eigen::Index i = 0; i < connections; ++i) {
+            const auto motion =
+                calcRelativeMotion(body, frame, model.connections[static_cast<std::size_t>(i)].position);
+            q.block<3, 1>(3 * i, k) = motion.q;
+            v.block<3, 1>(3 * i, k) = motion.v;
+        }
+    }
+}
+
+SmoothingKernel makeKernel(double interval, const ExcitedBand& band) {
+    const double stop = std::min(kStop * band.highest, 0.95 * 0.5 / interval);
+    return {interval, std::min(kPass * band.highest, kPass / kStop * stop), stop};
+}
+
+int findDecimation(double interval, const ExcitedBand& band) {
+    return std::max(1, static_cast<int>(std::floor(1.0 / interval / (kLeastRate * band.highest) + 1e-9)));
+}
+
+OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const ExcitedBand& band,
+                            const Eigen::VectorXd& swept_frequency) {
+    OpenLoopRun result;
+    result.file = run.file;
+    result.raw_interval = run.interval;
+    result.band = band;
+    result.pass = std::min(kPass * band.highest, kPass / kStop * 0.95 * 0.5 / run.interval);
+    const SmoothingKernel kernel = makeKernel(run.interval, band);
+    const int step = findDecimation(run.interval, band);
+    result.interval = run.interval * step;
+    result.mobile = smooth(run.mobile, kernel, step);
+    result.fixed = smooth(run.fixed, kernel, step);
+    calcRelative(model, result.mobile, result.fixed, result.q, result.v);
+    result.quiet_v = removeVelocityNoise(result.v, velocityNoiseFrame(result.interval, band.lowest), result.interval,
+                                         calcVelocityDensity(run, model, band, result.interval, run.trusted_from));
+    if (run.load.cols() > 0) result.load = kernel.apply(run.load, 0, step);
+    if (run.base.cols() > 0) result.base = kernel.apply(run.base, 0, step);
+    const auto count = result.mobile.p.cols();
+    result.time = Eigen::VectorXd::LinSpaced(count, 0.0, static_cast<double>(count - 1) * result.interval);
+    if (swept_frequency.size() == run.mobile.p.cols()) {
+        result.swept.resize(count);
+        for (Eigen::Index k = 0; k < count; ++k) result.swept[k] = swept_frequency[k * step];
+    }
+    result.lowest = run.trusted_from;
+    result.fixed_measured = run.fixed.displacement_measured || run.fixed.acceleration_measured;
+    const auto displacementNoise = [](const PartMotion& part) {
+        return part.acceleration_measured && !part.displacement_measured ? kUnmeasured
+                                                                         : knownNoise(part.displacement_noise);
+    };
+    const auto isIntegrated = [](const PartMotion& part) {
+        return part.acceleration_measured && !part.displacement_measured;
+    };
+    result.integrated = isIntegrated(run.mobile) || isIntegrated(run.fixed);
+    result.mobile_noise = displacementNoise(run.mobile);
+    result.fixed_noise = result.fixed_measured ? displacementNoise(run.fixed) : 0.0;
+    const auto accelerationNoise = [](const PartMotion& part) {
+        if (!part.acceleration_measured) return std::numeric_limits<double>::infinity();
+        const bool known = std::isfinite(part.acceleration_noise) && part.acceleration_noise > kSmallestAcceleration;
+        return known ? part.acceleration_noise : kSmallestAcceleration;
+    };
+    result.mobile_acceleration_noise = accelerationNoise(run.mobile);
+    result.fixed_acceleration_noise = accelerationNoise(run.fixed);
+    result.aliasing = calcAliasing(run);
+
+    result.taper.resize(count);
+    const double edge = (kernel.halfWidth() + 1) * run.interval;
+    const double length = static_cast<double>(count - 1) * result.interval;
+    const double taper = std::min(kTaper / band.lowest, kLongestTaper * length);
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const double inside = std::min(result.time[k], length - result.time[k]) - edge;
+        const double u = std::clamp(inside / taper, 0.0, 1.0);
+        result.taper[k] = 0.5 - 0.5 * std::cos(kPi * u);
+    }
+    return result;
+}
+
+}  // namespace wems::identify

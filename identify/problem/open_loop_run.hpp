@@ -1,0 +1,69 @@
+/// @file
+/// The measured motion of one run as the open-loop equations need it: smoothed, decimated, with its derivatives.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "identify/motion/motion.hpp"
+#include "identify/problem/smoothing_kernel.hpp"
+#include "models/mount_model.hpp"
+
+namespace wems::identify {
+
+/// The band that a recording excites, Hz, from which all lengths of filters and tapers follow.
+struct ExcitedBand {
+    double lowest = 0, highest = 0;
+};
+
+/// One rigid part; column k belongs to sample k. In G.
+struct SmoothPart {
+    Eigen::Matrix3Xd p, theta;  ///< m, rad (rotation vector)
+    Eigen::Matrix3Xd v, w;      ///< m/s, rad/s
+    Eigen::Matrix3Xd a, alpha;  ///< m/s², rad/s²
+    std::vector<Eigen::Matrix3d> R;
+};
+
+/// Every quantity went through the same low-pass filter, so that the equations hold between them.
+struct OpenLoopRun {
+    std::string file;
+    double interval = 0;      ///< s, after decimation
+    double raw_interval = 0;  ///< s, of the recording
+    double pass = 0;          ///< Hz, all is flat up to here
+    double lowest = 0;        ///< Hz, below this the motion is not known
+    ExcitedBand band;         ///< Hz
+    Eigen::VectorXd time;     ///< s since the start of the recording
+    SmoothPart mobile, fixed;
+    Eigen::MatrixXd q, v;     ///< relative displacement and velocity, F axes: row 3 i + axis; m, m/s
+    Eigen::MatrixXd quiet_v;  ///< velocity as friction takes it: without what is noise in a stretch and a band; m/s
+    Eigen::Matrix3Xd load;    ///< N; empty if not recorded
+    Eigen::Matrix3Xd base;    ///< m/s²; empty if not recorded
+    Eigen::VectorXd swept;    ///< Hz at each sample; empty if not known
+    bool fixed_measured = false;
+    bool integrated = false;  ///< a part's displacements are integrated accelerations: slow motion is not known
+    Eigen::VectorXd taper;    ///< 0 where the filter met an end, 1 inside, smooth between
+    /// Noise of one channel as displacement, white up to 1/(2 raw_interval) (m RMS) and the acceleration noise fused
+    /// with it (m/s² RMS, infinite if accelerations were not recorded).
+    double mobile_noise = 0, fixed_noise = 0;
+    double mobile_acceleration_noise = 0, fixed_acceleration_noise = 0;
+    /// Covariance of the accelerations by folding (origin above rotation, mobile above fixed part), white likewise.
+    Eigen::Matrix<double, 12, 12> aliasing = Eigen::Matrix<double, 12, 12>::Zero();
+
+    int sampleCount() const { return static_cast<int>(time.size()); }
+};
+
+/// @param swept_frequency Hz at each sample of `run`, empty if it is not known
+OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const ExcitedBand& band,
+                            const Eigen::VectorXd& swept_frequency);
+
+/// The low pass that everything of a run went through.
+SmoothingKernel makeKernel(double interval, const ExcitedBand& band);
+/// Every how many samples the smoothed motion is kept.
+int findDecimation(double interval, const ExcitedBand& band);
+
+/// Relative displacement and velocity of every axis from the motion of both parts (rows 3 i + axis).
+void calcRelative(const MountModel& model, const SmoothPart& mobile, const SmoothPart& fixed, Eigen::MatrixXd& q,
+                  Eigen::MatrixXd& v);
+
+}  // namespace wems::identify

@@ -1,0 +1,170 @@
+#include "identify/problem/slow_balance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "identify/problem/mount_equation.hpp"
+#include "identify/problem/rigid_matrices.hpp"
+#include "models/axis_law.hpp"
+#include "models/bryant.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr double kCorner = 1.25;        // of the lowest frequency where the motion is known; 0.75 of the lowest excited
+constexpr double kBalanced = 1.2;       // of the corner: splines hold 4 % of what is faster
+constexpr double kLeastTangent = 0.05;  // of the linear stiffness: what a softening law may leave of it
+constexpr int kBalanceIterations = 8;
+constexpr int kHalvings = 4;
+constexpr double kSettledMotion = 1e-8;  // m RMS, far below any noise
+
+}  // namespace
+
+SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model)
+    : corner_(kCorner * run.lowest), interval_(run.interval), taper_(run.taper) {
+    const auto samples = static_cast<Eigen::Index>(run.sampleCount());
+    splines_ = calcWeights(samples - 1).first + 4;
+    const Matrix6 M = calcMassMatrix(model.body), least = kLeastTangent * calcStiffnessMatrix(model);
+    tangent_.assign(static_cast<std::size_t>(samples), Matrix6::Zero());
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        for (int a = 0; a < 3; ++a) {
+            const AxisForce force(model.connections[i].axis[static_cast<std::size_t>(a)]);
+            const auto d = calcAxisDirection(model, static_cast<int>(i), a);
+            const Matrix6 along = d * d.transpose();
+            const Eigen::Index row = 3 * static_cast<Eigen::Index>(i) + a;
+            for (Eigen::Index k = 0; k < samples; ++k)
+                tangent_[static_cast<std::size_t>(k)] += force.calcStaticStiffness(run.q(row, k)) * along;
+        }
+    std::vector<Matrix6> blocks(4 * static_cast<std::size_t>(splines_), Matrix6::Zero());
+    for (Eigen::Index k = 0; k < samples; ++k) {
+        const auto weights = calcWeights(k);
+        const Matrix6& K = tangent_[static_cast<std::size_t>(k)];
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j <= i; ++j) {
+                // By parts: the splines' second derivatives become products of their first.
+                auto& block = blocks[4 * static_cast<std::size_t>(weights.first + i) + static_cast<std::size_t>(i - j)];
+                block += taper_[k] * (weights.value[0][i] * weights.value[0][j] * K -
+                                      weights.value[1][i] * weights.value[1][j] * M);
+                // Where the taper hides all, the motion stays as it is.
+                block += (1 - taper_[k]) * weights.value[0][i] * weights.value[0][j] * least;
+            }
+    }
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(144 * static_cast<std::size_t>(splines_));
+    for (Eigen::Index s = 0; s < splines_; ++s)
+        for (Eigen::Index back = 0; back <= std::min<Eigen::Index>(3, s); ++back) {
+            const Matrix6& block = blocks[static_cast<std::size_t>(4 * s + back)];
+            for (int i = 0; i < 6; ++i)
+                for (int j = 0; j < 6; ++j)
+                    entries.emplace_back(static_cast<int>(6 * s + i), static_cast<int>(6 * (s - back) + j),
+                                         block(i, j));
+        }
+    Eigen::SparseMatrix<double> A(6 * splines_, 6 * splines_);
+    A.setFromTriplets(entries.begin(), entries.end());
+    factor_.compute(A);
+}
+
+double SlowBalance::highestBalanced() const {
+    return kBalanced * corner_;
+}
+
+SlowBalance::Weights SlowBalance::calcWeights(Eigen::Index sample) const {
+    const double rate = 2 * corner_, at = static_cast<double>(sample) * interval_ * rate;
+    Weights weights{static_cast<Eigen::Index>(at), {}};
+    const double u = at - std::floor(at), v = 1 - u;
+    const double value[3][4] = {
+        {v * v * v / 6, (3 * u * u * u - 6 * u * u + 4) / 6, (3 * v * v * v - 6 * v * v + 4) / 6, u * u * u / 6},
+        {-v * v / 2, (3 * u * u - 4 * u) / 2, -(3 * v * v - 4 * v) / 2, u * u / 2},
+        {v, 3 * u - 2, 3 * v - 2, u}};
+    double scale = 1;
+    for (int derivative = 0; derivative < 3; ++derivative, scale *= rate)
+        for (int i = 0; i < 4; ++i) weights.value[derivative][i] = scale * value[derivative][i];
+    return weights;
+}
+
+Eigen::VectorXd SlowBalance::solve(const Eigen::Ref<const Eigen::MatrixXd>& residual) const {
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(6, splines_);
+    for (Eigen::Index k = 0; k < residual.cols(); ++k) {
+        const auto weights = calcWeights(k);
+        for (int i = 0; i < 4; ++i) right.col(weights.first + i) += taper_[k] * weights.value[0][i] * residual.col(k);
+    }
+    return factor_.solve(right.reshaped());
+}
+
+Eigen::VectorXd SlowBalance::solve(const Eigen::Ref<const Eigen::VectorXd>& force,
+                                   const Eigen::Matrix<double, 6, 1>& direction) const {
+    Eigen::RowVectorXd right = Eigen::RowVectorXd::Zero(splines_);
+    for (Eigen::Index k = 0; k < force.size(); ++k) {
+        const auto weights = calcWeights(k);
+        for (int i = 0; i < 4; ++i) right[weights.first + i] += taper_[k] * weights.value[0][i] * force[k];
+    }
+    const Eigen::MatrixXd all = direction * right;
+    return factor_.solve(all.reshaped());
+}
+
+Eigen::MatrixXd SlowBalance::calcMotion(const Eigen::Ref<const Eigen::VectorXd>& coefficients, int derivative) const {
+    const auto c = coefficients.reshaped(6, splines_);
+    Eigen::MatrixXd motion(6, taper_.size());
+    for (Eigen::Index k = 0; k < motion.cols(); ++k) {
+        const auto weights = calcWeights(k);
+        const double* w = weights.value[derivative];
+        motion.col(k) = w[0] * c.col(weights.first) + w[1] * c.col(weights.first + 1) +
+                        w[2] * c.col(weights.first + 2) + w[3] * c.col(weights.first + 3);
+    }
+    return motion;
+}
+
+Eigen::MatrixXd SlowBalance::calcForces(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const {
+    Eigen::MatrixXd forces = calcMotion(coefficients, 0);
+    for (Eigen::Index k = 0; k < forces.cols(); ++k)
+        forces.col(k) = (tangent_[static_cast<std::size_t>(k)] * forces.col(k)).eval();
+    return forces;
+}
+
+Eigen::MatrixXd SlowBalance::balance(const Eigen::Ref<const Eigen::MatrixXd>& residual) const {
+    return residual - calcForces(solve(residual));
+}
+
+void followSlowMotion(OpenLoopRun& run, const MountModel& model) {
+    if (!run.integrated || !(run.lowest > 0)) return;
+    const auto move = [&](const SlowBalance& balance, const Eigen::VectorXd& coefficients) {
+        OpenLoopRun moved = run;
+        const Eigen::MatrixXd x = balance.calcMotion(coefficients, 0), v = balance.calcMotion(coefficients, 1),
+                              a = balance.calcMotion(coefficients, 2);
+        auto& part = moved.mobile;
+        part.p += x.topRows(3);
+        part.theta += x.bottomRows(3);
+        part.v += v.topRows(3);
+        part.w += v.bottomRows(3);
+        part.a += a.topRows(3);
+        part.alpha += a.bottomRows(3);
+        for (Eigen::Index k = 0; k < part.theta.cols(); ++k)
+            part.R[static_cast<std::size_t>(k)] = rotationFromVector(part.theta.col(k));
+        calcRelative(model, moved.mobile, moved.fixed, moved.q, moved.v);
+        moved.quiet_v += moved.v - run.v;
+        return moved;
+    };
+    const auto size = [](const Eigen::VectorXd& coefficients) {
+        return coefficients.norm() / std::sqrt(static_cast<double>(coefficients.size()));
+    };
+    auto balance = std::make_unique<SlowBalance>(run, model);
+    Eigen::VectorXd step = -balance->solve(calcMountResidual(run, model));
+    for (int iteration = 0; iteration < kBalanceIterations && size(step) > kSettledMotion; ++iteration) {
+        bool moved_closer = false;
+        double share = 1;
+        for (int halving = 0; halving < kHalvings && !moved_closer; ++halving, share *= 0.5) {
+            OpenLoopRun moved = move(*balance, share * step);
+            const Eigen::MatrixXd residual = calcMountResidual(moved, model);
+            // What the same tangents would have to move further: it must be less than before.
+            moved_closer = size(balance->solve(residual)) < size(step);
+            if (!moved_closer) continue;
+            run = std::move(moved);
+            balance = std::make_unique<SlowBalance>(run, model);
+            step = -balance->solve(residual);
+        }
+        if (!moved_closer) return;
+    }
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,68 @@
+/// @file
+/// The mount's equation along a motion whose slow part was not measured, as with accelerations alone.
+///
+/// The slow motion s(t), cubic splines B with knots every 1 / (2 f_c), is what balances the slow part of the forces:
+///
+///     Bᵀ R = 0        (R the mount's residual, B also the weights)
+///
+/// It belongs to the model: a stop that lies elsewhere moves the mean of the motion. With K(t) the tangent stiffness
+/// and M the mass matrix of a model, whose slow motion is known, a residual R leaves to first order
+///
+///     P R = R − K B A⁻¹ Bᵀ R,        A = Bᵀ (K B + M B̈)
+///
+/// once the slow motion has followed. P is linear, so that it acts on residuals, their differences and the columns of
+/// calibration alike, and P K B = 0: an error of the slow motion, by noise or by the wrong model that it came from, is
+/// gone to first order.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCholesky>
+#include <vector>
+
+#include "identify/problem/open_loop_run.hpp"
+#include "models/mount_model.hpp"
+
+namespace wems::identify {
+
+class SlowBalance {
+public:
+    /// @param model whose slow motion `run` has
+    SlowBalance(const OpenLoopRun& run, const MountModel& model);
+
+    /// f_c, Hz: slower motion is balanced.
+    double cornerFrequency() const { return corner_; }
+    /// What frequencies above this hold is not touched but for contact, Hz.
+    double highestBalanced() const;
+
+    /// A⁻¹ Bᵀ R of a residual (6 x samples): coefficients, six for each spline.
+    Eigen::VectorXd solve(const Eigen::Ref<const Eigen::MatrixXd>& residual) const;
+    /// The same of a force history along a fixed direction.
+    Eigen::VectorXd solve(const Eigen::Ref<const Eigen::VectorXd>& force,
+                          const Eigen::Matrix<double, 6, 1>& direction) const;
+    /// K B c: 6 x samples.
+    Eigen::MatrixXd calcForces(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const;
+    /// P R.
+    Eigen::MatrixXd balance(const Eigen::Ref<const Eigen::MatrixXd>& residual) const;
+    /// B c and its first two derivatives: 6 x samples.
+    Eigen::MatrixXd calcMotion(const Eigen::Ref<const Eigen::VectorXd>& coefficients, int derivative) const;
+
+private:
+    using Matrix6 = Eigen::Matrix<double, 6, 6>;
+    struct Weights {
+        Eigen::Index first;  // of the four splines
+        double value[3][4];  // derivative, spline
+    };
+    Weights calcWeights(Eigen::Index sample) const;
+
+    double corner_ = 0, interval_ = 0;
+    Eigen::Index splines_ = 0;
+    Eigen::VectorXd taper_;
+    std::vector<Matrix6> tangent_;  // of each sample
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factor_;
+};
+
+/// Gives `run` the slow motion that balances the slow forces of `model`. Does nothing where displacements were
+/// measured.
+void followSlowMotion(OpenLoopRun& run, const MountModel& model);
+
+}  // namespace wems::identify
