@@ -65,7 +65,6 @@ double calcPredictionBand(const TestProblem& problem, const Selection& selection
         }
     });
     std::sort(errors.begin(), errors.end());
-    if (getenv("WEMS_SHOW")) for (double e : errors) fprintf(stderr, "R draw %g\n", std::sqrt(e));
     return std::sqrt(errors[kInside - 1] + noise_floor * noise_floor);
 }
 

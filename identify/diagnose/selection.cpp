@@ -12,8 +12,8 @@ constexpr std::size_t kMostCauses = 6;  // of one answer: more describe, they do
 constexpr std::size_t kShown = 8;       // candidates of a round that its record keeps
 constexpr int kHalvings = 2;
 constexpr int kMostSettling = 16, kMostRefining = 3;  // Gauss–Newton steps
-constexpr std::size_t kTried = 6;                    // sets of a round that are judged where they lead
-constexpr double kSettled = 0.5;                     // log evidence that a further step would still change
+constexpr std::size_t kTried = 6;                     // sets of a round that are judged where they lead
+constexpr double kSettled = 0.5;                      // log evidence that a further step would still change
 // What a model leaves beyond the noise is alike at frequencies closer than this part of the lowest excited one.
 constexpr double kAlike = 0.2;
 
@@ -97,18 +97,9 @@ private:
             const Eigen::VectorXd present = problem_.estimateOf(result_.point),
                                   estimate = evidence.calcMean(result_.set);
             const double gain = calcObjective(evidence, present) - calcObjective(evidence, estimate);
-            show("settle", gain);
             if (gain < 2 * kSettled || !move(present, estimate, with_validation)) break;
         }
         result_.scales = settleScales(result_.set);
-    }
-
-    void show(const char* what, double gain) const {
-        if (!getenv("WEMS_SHOW")) return;
-        fprintf(stderr, "R %s gain %.3g at", what, gain);
-        for (double m : calcMisfits(sumOf(result_.view, true), problem_.estimateOf(result_.point)))
-            fprintf(stderr, " %.3g", m);
-        fprintf(stderr, "\n");
     }
 
     /// −2 log of likelihood and tolerances, beside a constant, as the quadratic has it.
@@ -141,9 +132,8 @@ private:
         decision.action = same ? "nothing more to add, take away or exchange" : "causes changed";
         result_.decisions.push_back(decision);
         if (same) return false;
-        const Eigen::VectorXd present = problem_.estimateOf(result_.point);
         result_.set = best.set;
-        take(present, evidence.calcMean(best.set));
+        take(evidence.calcMean(best.set));
         settle(kMostRefining, true);
         return true;
     }
@@ -158,7 +148,6 @@ private:
     Trial tryBest(const Evidence& evidence) {
         Trial best{result_.set, evidence.calcLogEvidence(result_.set)};
         const Information here = sumOf(result_.view, true);
-        const Eigen::VectorXd present = problem_.estimateOf(result_.point);
         double base = 0;  // total of the quadratic at the believed values
         for (std::size_t k = 0; k < kBlocks; ++k)
             if (!here[k].empty()) base += here[k].chi_squared / result_.scales[k].scale;
@@ -170,14 +159,7 @@ private:
             const Eigen::VectorXd estimate = evidence.calcMean(ranked.members);
             const double predicted = base + evidence.calcChange(estimate);
             const double actual = totalOf(problem_.misfit(problem_.pointAt(estimate, ranked.members)), result_.scales);
-            const double before = ranked.log_evidence;
             if (actual > predicted) ranked.log_evidence -= 0.5 * (actual - predicted);
-            if (getenv("WEMS_SHOW")) {
-                fprintf(stderr, "R   try %.1f -> %.1f (of %.1f):", before, ranked.log_evidence, floor);
-                for (int h : ranked.members)
-                    fprintf(stderr, " | %s", describe(problem_.hypotheses()[static_cast<std::size_t>(h)]).c_str());
-                fprintf(stderr, "\n");
-            }
             if (ranked.log_evidence > best.log_evidence) best = {ranked.members, ranked.log_evidence};
         }
         std::sort(result_.ranked.begin(), result_.ranked.end(),
@@ -211,7 +193,7 @@ private:
     }
 
     /// To the estimate of a set that has just been chosen; what it sought far off becomes part of the table.
-    void take(const Eigen::VectorXd&, const Eigen::VectorXd& estimate) {
+    void take(const Eigen::VectorXd& estimate) {
         result_.point = problem_.pointAt(estimate, result_.set);
         problem_.adopt(result_.set);
         // Rows count from new believed values and columns are others now.

@@ -166,9 +166,8 @@ TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point) cons
 
 Information TestProblem::misfit(const TestPoint& point) const {
     std::vector<Information> own(runs_.size());
-    runParallel(runs_.size(), [&](std::size_t r) {
-        own[r] = calcMisfit(correctRun(runs_[r], point), layout_, point.state);
-    });
+    runParallel(runs_.size(),
+                [&](std::size_t r) { own[r] = calcMisfit(correctRun(runs_[r], point), layout_, point.state); });
     Information sum;
     for (const Information& run : own) add(sum, run);
     return sum;
