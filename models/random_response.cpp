@@ -62,7 +62,7 @@ private:
                            int halvings) const {
         const double middle = 0.5 * (a + b);
         const Eigen::ArrayX2d left = sum(a, middle), right = sum(middle, b);
-        const Eigen::ArrayX2d fine = left + right;
+        Eigen::ArrayX2d fine = left + right;
         if (halvings == 0 || ((fine - coarse).abs() <= tolerance * whole).all()) return fine;
         return refine(a, middle, left, whole, halvings - 1) + refine(middle, b, right, whole, halvings - 1);
     }
