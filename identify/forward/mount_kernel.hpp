@@ -116,7 +116,7 @@ inline FixedPart<T> calcFixedPart(const MountKernel<T>& kernel, const T* y, cons
         theta = theta + eta * rotation;
         theta_dot = theta_dot + eta_dot * rotation;
     }
-    T a, b;
+    T a{}, b{};
     calcTurnCoefficients(dot(theta, theta), a, b);
     // B = 1 + a K + b K², R = 1 + K B, with K the cross matrix of θ; by columns.
     const auto turn = [&](const Vec3<T>& unit, Vec3<T>& of_B, Vec3<T>& of_R) {

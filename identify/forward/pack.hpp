@@ -68,7 +68,7 @@ struct Pack {
     // Where no vector function exists: one after the other.
     template <class Function>
     static Pack each(const Pack& x, const Function& function) {
-        Pack result;
+        Pack result = x;
         for (int i = 0; i < lanes; ++i) result.v[i] = function(x.v[i]);
         return result;
     }

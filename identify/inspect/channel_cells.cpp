@@ -84,7 +84,8 @@ public:
         for (std::size_t s = 0; s < spectra_.front().size(); ++s) {
             std::vector<Place> bands;
             double sum = 0;
-            const auto end = static_cast<std::size_t>(kHighestUsed * static_cast<double>(length_ / 2));
+            const std::size_t bins = length_ / 2;
+            const auto end = static_cast<std::size_t>(kHighestUsed * static_cast<double>(bins));
             for (std::size_t from = kFirstUsed; from < end;) {
                 const std::size_t width =
                     std::max(kFewestBins, static_cast<std::size_t>(kBandWidth * static_cast<double>(from)));

@@ -166,11 +166,11 @@ private:
             return outlooks[a].misfit_without < outlooks[b].misfit_without;
         });
         if (order.size() > kLikely) order.resize(kLikely);
-        for (std::size_t i = 0; i < order.size(); ++i) {
-            const SuspectGroup one{channel(order[i]).name, {order[i]}};
+        for (const std::size_t suspect : order) {
+            const SuspectGroup one{channel(suspect).name, {suspect}};
             tryFactors(from, one, next);
-            tryGain(from, one, outlooks[order[i]].forecasts, next);
-            tryDelay(from, one, outlooks[order[i]].forecasts, false, from.misfit, next);
+            tryGain(from, one, outlooks[suspect].forecasts, next);
+            tryDelay(from, one, outlooks[suspect].forecasts, false, from.misfit, next);
         }
         for (const SuspectGroup& group : groups_) {
             tryFactors(from, group, next);
