@@ -89,7 +89,7 @@ public:
 private:
     /// Where the sensors of one delay stand.
     struct Cursor {
-        double delay;         // s
+        double delay = 0;     // s
         std::size_t row = 0;  // the next one
     };
     /// When a cursor's next row is sampled; infinite at the end.

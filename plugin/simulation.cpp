@@ -45,12 +45,12 @@ public:
         for (const SensorChannel& channel : channels) noise_.emplace_back(settings.noise, settings.seed, channel.name);
     }
 
-    void take(std::vector<double> times, std::vector<std::vector<double>> values) {
+    void take(const std::vector<double>& times, std::vector<std::vector<double>> values) {
         samples_ += times.size();
         for (std::size_t i = 0; i < values.size(); ++i) noise_[i].add(values[i]);
         if (settings_.sink) {
             Recording rows = kept_;
-            rows.time = std::move(times);
+            rows.time = times;
             for (std::size_t i = 0; i < values.size(); ++i) rows.channels[i].values = std::move(values[i]);
             settings_.sink(rows);
             return;
@@ -99,9 +99,8 @@ SimulationResult simulate(const MountModel& model, std::shared_ptr<const Drive> 
     if (settings.watch) device.force().setWatch([&](double t) { return stopped = settings.watch(t); });
     const std::vector<SensorChannel> channels = makeSensorChannels(model, settings.channels, has_load, has_base);
     RowSink sink(channels, settings);
-    Recorder recorder(device, channels, settings.times, [&sink](std::vector<double> times, auto values) {
-        sink.take(std::move(times), std::move(values));
-    });
+    Recorder recorder(device, channels, settings.times,
+                      [&sink](const std::vector<double>& times, auto values) { sink.take(times, std::move(values)); });
     recorder.setProgress(settings.progress);
     recorder.setObserver(settings.observer);
     device.updSystem().addEventReporter(recorder.makeReporter());
