@@ -13,13 +13,14 @@ import collections
 import os
 import random
 import re
-import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
+
+from good_inputs import write_good_inputs
 
 OLD = b"what stood here before\n"
 SIGNALS = (signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
@@ -51,23 +52,27 @@ def outputs_of(words):
     return [word for word in words if word.startswith("out.")]
 
 
-def prepare(folder, arguments):
-    """Recordings of about a second, the model and its modes, a part of a recording, a test of one element."""
-    for name in ("smallsat_wems.toml", "smallsat_bracket.csv"):
-        shutil.copy(Path(arguments.models) / name, folder)
-    (folder / "smallsat_wems.toml").rename(folder / "model.toml")
-    for name, level in (("good.csv", "z=200"), ("good2.csv", "x=80,y=50")):
-        subprocess.run([arguments.simulate, "model.toml", "--sweep", "5:50", "--rate", "200", "--force", level, "--sample-rate",
-                        "500", "--noise", "displacement=1e-6,acceleration=0.01", "--seed", "1", "-q", "-o", name], cwd=folder,
-                       check=True)
+def write_inputs(folder, arguments):
+    """Good inputs, a part of a recording, a test of one element."""
+    write_good_inputs(folder, arguments.simulate, arguments.models)
+    write_part(folder)
+    write_element_test(folder)
+
+
+def write_part(folder):
+    """part.csv: time and load.fz of good.csv."""
     lines = (folder / "good.csv").read_text().splitlines()
     head = next(i for i, line in enumerate(lines) if line.startswith("time"))
     names = lines[head].split(",")
     kept = [0] + [i for i, name in enumerate(names) if name.startswith("load.fz")]
     (folder / "part.csv").write_text("".join(",".join(line.split(",")[i] for i in kept) + "\n" for line in lines[head:]))
+
+
+def write_element_test(folder):
+    """element.csv: a cubic spring under a slow, irregular motion."""
     drawn = random.Random(1)
     rows = []
-    for k in range(2000):  # a cubic spring under a slow, irregular motion
+    for k in range(2000):
         at = k * 1e-3
         x = 1e-3 * (drawn.random() * 0.01 + (k % 400 - 200) / 200 * (1 if k // 400 % 2 else -1))
         rows.append(f"{at:.4f},{x:.9g},{1e4 * x + 1e9 * x ** 3:.9g}\n")
@@ -114,7 +119,7 @@ def main():
     states = collections.Counter()
     with tempfile.TemporaryDirectory(prefix="wems-kill-") as name:
         folder = Path(name)
-        prepare(folder, arguments)
+        write_inputs(folder, arguments)
         inputs = set(os.listdir(folder))
         known = {}
         for command, words in commands(arguments.identify, arguments.simulate).items():

@@ -18,6 +18,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from good_inputs import write_good_inputs
 from odd_models import draw_model
 from odd_recordings import draw_recording
 
@@ -101,16 +102,6 @@ def findings(status, errors, seconds, left):
         yield "left behind: " + " ".join(left)
 
 
-def prepare(folder, arguments):
-    """Good recordings of half a second to one second, the model and its modes."""
-    for name in ("smallsat_wems.toml", "smallsat_bracket.csv"):
-        shutil.copy(Path(arguments.models) / name, folder)
-    (folder / "smallsat_wems.toml").rename(folder / "model.toml")
-    for name, level in (("good.csv", "z=200"), ("good2.csv", "x=80,y=50")):
-        subprocess.run([arguments.simulate, "model.toml", "--sweep", "5:50", "--rate", "200", "--force", level, "--sample-rate",
-                        "500", "--noise", "displacement=1e-6,acceleration=0.01", "-q", "-o", name], cwd=folder, check=True)
-
-
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("identify"), parser.add_argument("simulate"), parser.add_argument("models")
@@ -126,7 +117,7 @@ def main():
     slowest = (0.0, "")
     with tempfile.TemporaryDirectory(prefix="wems-odd-") as name:
         folder = Path(name)
-        prepare(folder, arguments)
+        write_good_inputs(folder, arguments.simulate, arguments.models)
         good = (folder / "good.csv").read_text()
         model, modes = (folder / "model.toml").read_text(), (folder / "smallsat_bracket.csv").read_text()
         cases = [("recording", i) for i in range(arguments.recordings)] + [("model", i) for i in range(arguments.model_count)]
