@@ -3,17 +3,15 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "identify/motion/differentiation.hpp"
 #include "identify/motion/fusion.hpp"
 #include "identify/motion/noise_estimate.hpp"
+#include "identify/motion/part_estimator.hpp"
 #include "identify/motion/part_motion_limits.hpp"
 #include "identify/motion/rigid_fit.hpp"
 #include "identify/motion/spectrum.hpp"
-#include "identify/motion/swept_frequency.hpp"
 #include "models/bryant.hpp"
-#include "models/error.hpp"
 #include "models/guided_motion.hpp"
 
 namespace wems::identify {
@@ -137,18 +135,16 @@ private:
     Eigen::MatrixXd covariance_;
 };
 
-class GuidedEstimator {
+class GuidedEstimator : PartEstimator {
 public:
     GuidedEstimator(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest,
                     const PartMotion& reference)
-        : recording_(recording),
-          part_(part),
+        : PartEstimator(recording, part),
           reference_(reference),
-          interval_(recording.sampleInterval()),
           samples_(static_cast<Eigen::Index>(recording.sampleCount())),
           guide_(model.body),
           displacement_(collectChannels(recording, model, part, Derivative::displacement), guide_, rest),
-          acceleration_(collectAccelerations(model), guide_, rest) {
+          acceleration_(collectAccelerations(model, displacement_.channelSet()), guide_, rest) {
         const FrameMotion frame = findReferenceRest(model, rest);
         rest_ = calcRelativeCoordinates(rest, frame);
     }
@@ -158,12 +154,10 @@ public:
     PartEstimate estimate() {
         const bool displacement = displacement_.undetermined().empty();
         const bool acceleration = acceleration_.undetermined().empty();
-        if (!displacement && !acceleration) throwUndetermined();
-        result_.trusted_to = 0.25 / interval_;
+        if (!displacement && !acceleration)
+            throwUndetermined(displacement_, acceleration_, "channels that determine the free motions of the model");
+        begin(displacement, acceleration);
         PartMotion& motion = result_.motion;
-        motion.displacement_measured = displacement;
-        motion.acceleration_measured = acceleration && !from_velocity_;
-        motion.displacement_noise = motion.acceleration_noise = std::nan("");
         noteFreeMotions();
         s_ = rest_.replicate(1, samples_);
         rate_ = second_ = Eigen::MatrixXd::Zero(6, samples_);
@@ -181,18 +175,6 @@ public:
     }
 
 private:
-    /// Accelerations; velocities differentiated where there is nothing else.
-    ChannelSet collectAccelerations(const MountModel& model) {
-        ChannelSet set = collectChannels(recording_, model, part_, Derivative::acceleration);
-        ChannelSet velocity = collectChannels(recording_, model, part_, Derivative::velocity);
-        if (!set.empty() || velocity.empty() || !displacement_.channelSet().empty()) return set;
-        from_velocity_ = true;
-        for (Eigen::Index i = 0; i < velocity.count(); ++i)
-            velocity.values.row(i) = differentiate(velocity.values.row(i).transpose(), interval_).first.transpose();
-        note("accelerations are central differences (eighth order) of the velocity channels");
-        return velocity;
-    }
-
     FrameMotion findReferenceRest(const MountModel& model, const BodyMotion& rest) const {
         const BodyMotion frame = part_ == Part::fixed ? rest : findFixedRest(model, findStaticEquilibrium(model));
         FrameMotion still;
@@ -201,27 +183,12 @@ private:
         return still;
     }
 
-    void note(const std::string& text) {
-        result_.notes.push_back(std::string(part_ == Part::mobile ? "mobile part: " : "fixed part: ") + text);
-    }
-
     void noteFreeMotions() {
         std::string free;
         for (const int i : guide_.free())
             free += (free.empty() ? "" : ", ") + std::string(kMotionNames.at(static_cast<std::size_t>(i)));
         note(part_ == Part::mobile ? "its channels determine " + free + ", the other motions are held by the model"
                                    : "its channels determine " + free + ", the other motions are taken as zero");
-    }
-
-    [[noreturn]] void throwUndetermined() const {
-        const bool use_displacement = displacement_.channelSet().count() >= acceleration_.channelSet().count();
-        std::string motions;
-        for (const std::string& name : (use_displacement ? displacement_ : acceleration_).undetermined())
-            motions += (motions.empty() ? "" : ", ") + name;
-        throw InputError({recording_.file, 0, part_ == Part::mobile ? "mobile" : "fixed"},
-                         "the " + std::string(use_displacement ? "displacement" : "acceleration") +
-                             " channels of this part do not determine its " + motions,
-                         "channels that determine the free motions of the model");
     }
 
     double estimateNoise(const GuidedFit& fit, const Eigen::MatrixXd& residuals, const Eigen::MatrixXd& signal) const {
@@ -293,27 +260,18 @@ private:
             const int i = guide_.free()[static_cast<std::size_t>(j)];
             coordinates.row(j) = (s_.row(i).array() - rest_[i]) / std::sqrt(displacement_.covariance()(j, j));
         }
-        const double cutoff = std::clamp(kSweepMargin * findSweptFrequency(recording_).highest,
-                                         findCutoff(coordinates, interval_), 0.25 / interval_);
+        const double cutoff = chooseCutoff(coordinates);
         for (const int i : guide_.free()) {
             const Derivatives derivatives =
                 differentiate(smoothZeroPhase(s_.row(i).transpose(), interval_, cutoff), interval_);
             rate_.row(i) = derivatives.first.transpose();
             second_.row(i) = derivatives.second.transpose();
         }
-        result_.trusted_to = 0.5 * cutoff;
-        note(
-            "no accelerations recorded: velocities and accelerations are zero-phase derivatives of the displacements "
-            "(gain 1/2 at " +
-            formatHertz(cutoff) + "), good to " + formatHertz(result_.trusted_to));
+        noteDerivatives(cutoff);
     }
 
     void integrateAccelerations() {
-        const double lowest = findSweptFrequency(recording_).lowest;
-        if (!(lowest > 0))
-            throw InputError({recording_.file, 0, part_ == Part::mobile ? "mobile" : "fixed"},
-                             "only accelerations, and nothing moves: no displacement can be derived");
-        result_.trusted_from = kIntegrationMargin * lowest;
+        chooseIntegrationBand();
         for (int pass = 0; pass < kMostPasses && !solveAccelerations(); ++pass) {
             for (const int i : guide_.free()) {
                 const IntegratedSignal integral =
@@ -322,8 +280,7 @@ private:
                 rate_.row(i) = integral.v.transpose();
             }
         }
-        note("no displacements recorded: accelerations integrated twice, zero-phase; displacements say nothing below " +
-             formatHertz(result_.trusted_from) + " (0.6 of the lowest excited frequency), no static offset either");
+        noteIntegration();
     }
 
     /// Covariance of (origin, rotation) at rest.
@@ -352,14 +309,9 @@ private:
         }
     }
 
-    const Recording& recording_;
-    Part part_;
     const PartMotion& reference_;
-    double interval_;
     Eigen::Index samples_;
     GuidedMotion guide_;
-    PartEstimate result_;
-    bool from_velocity_ = false;
     GuidedFit displacement_;
     GuidedFit acceleration_;
     Vector6 rest_ = Vector6::Zero();

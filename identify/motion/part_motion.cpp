@@ -7,6 +7,7 @@
 #include "identify/motion/differentiation.hpp"
 #include "identify/motion/fusion.hpp"
 #include "identify/motion/noise_estimate.hpp"
+#include "identify/motion/part_estimator.hpp"
 #include "identify/motion/part_motion_limits.hpp"
 #include "identify/motion/rigid_fit.hpp"
 #include "identify/motion/rotation_rates.hpp"
@@ -14,6 +15,7 @@
 #include "identify/motion/swept_frequency.hpp"
 #include "models/bryant.hpp"
 #include "models/error.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
@@ -22,9 +24,6 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 /// Rotations beyond this (rad), got by integration, are a sign of drift or of wrong units.
 constexpr double largest_rotation = 1.6;
-const char* nameOf(Part part) {
-    return part == Part::mobile ? "mobile part" : "fixed part";
-}
 
 /// Noise of one channel: from the redundancy of the fit, otherwise from what varies fast in the origin's motion.
 double estimateNoise(const RigidFit& fit, const Eigen::MatrixXd& residuals, const Eigen::Matrix3Xd& origin) {
@@ -43,26 +42,24 @@ Eigen::Matrix3Xd calcAngularVelocities(const Eigen::Matrix3Xd& theta, const Eige
     return w;
 }
 
-class PartEstimator {
+class SixMotionEstimator : PartEstimator {
 public:
-    PartEstimator(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest)
-        : recording_(recording),
-          part_(part),
+    SixMotionEstimator(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest)
+        : PartEstimator(recording, part),
           rest_(rest),
-          interval_(recording.sampleInterval()),
           displacement_(collectChannels(recording, model, part, Derivative::displacement), rest),
-          acceleration_(collectAccelerations(model), rest) {}
+          acceleration_(collectAccelerations(model, displacement_.channelSet()), rest) {}
 
     PartEstimate estimate() {
         const bool displacement = displacement_.undetermined().empty();
         const bool acceleration = acceleration_.undetermined().empty();
-        if (!displacement && !acceleration) throwUndetermined();
+        if (!displacement && !acceleration)
+            throwUndetermined(
+                displacement_, acceleration_,
+                "x, y, z at three connections not on one line, or any channels that determine all six motions");
         noteUnused(displacement, acceleration);
-        result_.trusted_to = 0.25 / interval_;
+        begin(displacement, acceleration);
         PartMotion& motion = result_.motion;
-        motion.displacement_measured = displacement;
-        motion.acceleration_measured = acceleration && !from_velocity_;
-        motion.displacement_noise = motion.acceleration_noise = std::nan("");
         if (displacement) {
             Eigen::MatrixXd residuals;
             displacement_.solvePoses(motion.p, motion.theta, &residuals);
@@ -83,24 +80,6 @@ public:
     }
 
 private:
-    /// Acceleration channels; velocities differentiated where there is nothing else.
-    ChannelSet collectAccelerations(const MountModel& model) {
-        ChannelSet set = collectChannels(recording_, model, part_, Derivative::acceleration);
-        ChannelSet velocity = collectChannels(recording_, model, part_, Derivative::velocity);
-        if (velocity.empty()) return set;
-        if (!set.empty() || !displacement_.channelSet().empty()) {
-            note("velocity channels are not used: displacements or accelerations say more");
-            return set;
-        }
-        from_velocity_ = true;
-        for (int i = 0; i < velocity.count(); ++i)
-            velocity.values.row(i) = differentiate(velocity.values.row(i).transpose(), interval_).first.transpose();
-        note("accelerations are central differences (eighth order) of the velocity channels");
-        return velocity;
-    }
-
-    void note(const std::string& text) { result_.notes.push_back(std::string(nameOf(part_)) + ": " + text); }
-
     Calibration calibrate(const RigidFit& fit, const Eigen::MatrixXd& residuals, double noise, const char* kind) {
         Calibration calibration = estimateCalibration(fit.channelSet(), residuals, noise);
         constexpr double worth_saying = 1e-4;
@@ -111,18 +90,6 @@ private:
             note(text);
         }
         return calibration;
-    }
-
-    [[noreturn]] void throwUndetermined() const {
-        const bool use_displacement = displacement_.channelSet().count() >= acceleration_.channelSet().count();
-        const RigidFit& fit = use_displacement ? displacement_ : acceleration_;
-        std::string motions;
-        for (const std::string& name : fit.undetermined()) motions += (motions.empty() ? "" : ", ") + name;
-        throw InputError(
-            {recording_.file, 0, part_ == Part::mobile ? "mobile" : "fixed"},
-            "the " + std::string(use_displacement ? "displacement" : "acceleration") +
-                " channels of this part do not determine its " + motions,
-            "x, y, z at three connections not on one line, or any channels that determine all six motions");
     }
 
     void noteUnused(bool displacement, bool acceleration) {
@@ -189,7 +156,7 @@ private:
             motion.p.row(i) = fused.x.transpose();
             motion.v.row(i) = fused.v.transpose();
         }
-        const double crossover = std::sqrt(a_noise * a_unit[0] / (x_noise * x_unit[0])) / (2 * 3.14159265358979);
+        const double crossover = std::sqrt(a_noise * a_unit[0] / (x_noise * x_unit[0])) / kTwoPi;
         note("displacements and accelerations fused, displacement deciding below " + formatHertz(crossover) +
              ", acceleration above; velocities from both, good to " + formatHertz(result_.trusted_to));
     }
@@ -201,8 +168,7 @@ private:
         Eigen::MatrixXd coordinates(6, samples);
         coordinates.topRows(3) = (motion.p.colwise() - rest_.p_GM).array().colwise() / unit.head<3>().array();
         coordinates.bottomRows(3) = motion.theta.array().colwise() / unit.tail<3>().array();
-        const double cutoff = std::clamp(kSweepMargin * findSweptFrequency(recording_).highest,
-                                         findCutoff(coordinates, interval_), 0.25 / interval_);
+        const double cutoff = chooseCutoff(coordinates);
         Eigen::MatrixXd first(6, samples), second(6, samples);
         for (int i = 0; i < 6; ++i) {
             const Derivatives derivatives =
@@ -219,21 +185,13 @@ private:
             motion.w.col(k) = calcAngularVelocity(theta, rate);
             motion.alpha.col(k) = calcAngularAcceleration(theta, rate, second.col(k).tail<3>());
         }
-        result_.trusted_to = 0.5 * cutoff;
-        note(
-            "no accelerations recorded: velocities and accelerations are zero-phase derivatives of the displacements "
-            "(gain 1/2 at " +
-            formatHertz(cutoff) + "), good to " + formatHertz(result_.trusted_to));
+        noteDerivatives(cutoff);
     }
 
     void integrateAccelerations() {
         PartMotion& motion = result_.motion;
         const Eigen::Index samples = acceleration_.channelSet().values.cols();
-        const double lowest = findSweptFrequency(recording_).lowest;
-        if (!(lowest > 0))
-            throw InputError({recording_.file, 0, nameOf(part_)},
-                             "only accelerations, and nothing moves: no displacement can be derived");
-        result_.trusted_from = kIntegrationMargin * lowest;
+        chooseIntegrationBand();
         const Eigen::Vector3d rest_vector = vectorFromRotation(rest_.R_GM);
         motion.p = rest_.p_GM.replicate(1, samples);
         motion.theta = rest_vector.replicate(1, samples);
@@ -250,7 +208,7 @@ private:
                 rate.row(i) = integral.v.transpose();
             }
             if (!(motion.theta.colwise().norm().maxCoeff() < largest_rotation))
-                throw InputError({recording_.file, 0, nameOf(part_)},
+                throw InputError({recording_.file, 0, key()},
                                  "the accelerations integrate to rotations of more than a quarter turn",
                                  "displacements as well, or accelerations without content below the excited band");
             const Eigen::Matrix3Xd w_before = motion.w;
@@ -266,16 +224,10 @@ private:
             motion.p.row(i) += integral.x.transpose();
             motion.v.row(i) = integral.v.transpose();
         }
-        note("no displacements recorded: accelerations integrated twice, zero-phase; displacements say nothing below " +
-             formatHertz(result_.trusted_from) + " (0.6 of the lowest excited frequency), no static offset either");
+        noteIntegration();
     }
 
-    const Recording& recording_;
-    Part part_;
     BodyMotion rest_;
-    double interval_;
-    PartEstimate result_;
-    bool from_velocity_ = false;
     RigidFit displacement_;
     RigidFit acceleration_;
 };
@@ -283,7 +235,7 @@ private:
 }  // namespace
 
 PartEstimate estimatePart(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest) {
-    return PartEstimator(recording, model, part, rest).estimate();
+    return SixMotionEstimator(recording, model, part, rest).estimate();
 }
 
 bool determinesPart(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest) {
