@@ -9,10 +9,12 @@
 
 namespace wems {
 
-/// Sets what a fit put below zero where a model allows no such value (stiffness, damping, loss factor, dissipation of
-/// a stop, level of friction) to zero: as an estimate it says that the data do not show the thing, as a model it would
-/// feed the motion with energy, and readMountModel() refuses it.
-/// @returns one sentence for each value that was set
-std::vector<std::string> makeAdmissible(MountModel& model);
+/// Brings what a fit put outside what a model allows back to its limit, since readMountModel() refuses what lies
+/// beyond. Values below zero where there are none (stiffness, damping, loss factor, dissipation of a stop, level of
+/// friction) become zero: as an estimate they say that the data do not show the thing, as a model they would feed the
+/// motion with energy. An inertia that no body has is limited as limitInertia() says.
+/// @param believed model that the fit began with, itself admissible
+/// @returns one sentence for each value that was changed
+std::vector<std::string> makeAdmissible(const MountModel& believed, MountModel& model);
 
 }  // namespace wems

@@ -1,11 +1,11 @@
 #include "models/mount_model.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <set>
 
+#include "models/body_inertia.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 
@@ -37,15 +37,13 @@ void checkBody(const MobileBody& body) {
     if (std::none_of(body.free.begin(), body.free.end(), [](bool free) { return free; }))
         fail("body.motion", "is empty", "at least one of x, y, z, rx, ry, rz");
     if (!body.inertia.isApprox(body.inertia.transpose(), 1e-12)) fail("body.inertia", "is not symmetric");
-    const Eigen::Vector3d principal =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body.inertia, Eigen::EigenvaluesOnly).eigenvalues();
-    const std::string found = "has the principal moments " + formatNumber(principal[0], 6) + ", " +
-                              formatNumber(principal[1], 6) + ", " + formatNumber(principal[2], 6);
-    if (!(principal[0] > 0)) fail("body.inertia", found, "principal moments above 0, kg m^2");
-    // A flat body meets the limit exactly; rounding must not turn it down.
-    if (principal[2] > (principal[0] + principal[1]) * (1 + 1e-9)) {
-        fail("body.inertia", found, "a real body's: no principal moment above the sum of the other two");
-    }
+    const Eigen::Vector3d principal = calcPrincipalMoments(body.inertia);
+    const std::string accepted = findInertiaProblem(principal);
+    if (!accepted.empty())
+        fail("body.inertia",
+             "has the principal moments " + formatNumber(principal[0], 6) + ", " + formatNumber(principal[1], 6) +
+                 ", " + formatNumber(principal[2], 6),
+             accepted);
 }
 
 void checkConnections(const std::vector<Connection>& connections) {

@@ -11,6 +11,7 @@
 #include "identify/cli/component_fit.hpp"
 #include "identify/cli/fit_output.hpp"
 #include "identify/cli/fit_report.hpp"
+#include "identify/cli/fitted_model.hpp"
 #include "identify/cli/long_recordings.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
@@ -55,20 +56,6 @@ DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& mode
     return result;
 }
 
-/// The fitted model as a command can read it again.
-/// @throws InputError if a fitted value keeps it from being one
-void addWrittenModel(MountModel model, const std::string& file, std::vector<std::string>& notes, OutputFiles& outputs) {
-    for (std::string& note : makeAdmissible(model)) notes.push_back(std::move(note));
-    try {
-        writeMountModel(model, file, outputs);
-    } catch (const InputError& error) {
-        if (!error.location().file.empty()) throw;
-        throw InputError({file, 0, error.location().key},
-                         "the fitted value makes no model that could be read again: it " + error.problem(),
-                         error.accepted());
-    }
-}
-
 /// A mount that feeds its motion is none: the recording runs backwards, or a sign is wrong.
 void noteNegativeDamping(const FitResult& fit, std::vector<std::string>& notes) {
     const std::string ending = ".damping";
@@ -98,12 +85,15 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, const 
     const FitResult fit = fitMount(runs, model, options.fit);
     notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
     noteNegativeDamping(fit, notes);
-    if (!options.output.empty()) addWrittenModel(fit.model, options.output, notes, outputs);
+    MountModel fitted = fit.model;
+    if (!options.output.empty() || !options.runs.validation.empty())
+        for (std::string& note : makeAdmissible(model, fitted)) notes.push_back(std::move(note));
+    if (!options.output.empty()) addFittedModel(model, fitted, options.output, notes, outputs);
     watch.restart();  // the fit has steps of its own
     timing.insert(timing.end(), fit.timing.begin(), fit.timing.end());
     if (!options.runs.validation.empty()) progress->step("free simulations of the validation runs");
     const auto validation =
-        validateModel(fit.model, readDeviceRecordings(options.runs.validation, options.common.column_map, fit.model));
+        validateModel(fitted, readDeviceRecordings(options.runs.validation, options.common.column_map, fitted));
     watch.lap("validation");
     if (!options.common.report_file.empty()) {
         progress->step("report");
@@ -152,7 +142,7 @@ void fitElement(const FitCommandOptions& options, const MountModel& model, const
     ComponentFit fit = fitComponent(recordings, model, options.component);
     for (const Recording& recording : recordings)
         for (const auto& warning : recording.warnings) fit.notes.push_back(recording.file + ": " + warning);
-    if (!options.output.empty()) addWrittenModel(fit.fitted, options.output, fit.notes, outputs);
+    if (!options.output.empty()) addFittedModel(model, fit.fitted, options.output, fit.notes, outputs);
     reportComponentFit(fit, options.common, outputs);
     if (options.common.report_file.empty()) return;
     HtmlReport page("Identified element: connection " + fit.connection + ", axis " + "xyz"[fit.axis]);

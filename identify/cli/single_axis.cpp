@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "identify/cli/command.hpp"
+#include "identify/cli/fitted_model.hpp"
 #include "identify/cli/recordings.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
@@ -123,7 +124,7 @@ void runSingleAxis(SingleAxisCommandOptions options) {
     SingleAxisResult result = identifySingleAxis(recording, model, method);
     progress.reset();
     result.notes.insert(result.notes.begin(), recording.warnings.begin(), recording.warnings.end());
-    if (!options.output.empty()) writeMountModel(result.model, options.output, outputs);
+    if (!options.output.empty()) addFittedModel(model, result.model, options.output, result.notes, outputs);
     if (options.common.printsText()) {
         std::cout << makeTable(result).format(outputStyle()) << describeSingularValues(result) << "\n"
                   << describeResidual(result) << "\n";
