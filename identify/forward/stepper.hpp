@@ -9,6 +9,7 @@
 
 #include <initializer_list>
 
+#include "identify/forward/drive_reader.hpp"
 #include "identify/forward/drive_rows.hpp"
 #include "identify/forward/kinks.hpp"
 #include "identify/forward/mount_kernel.hpp"
@@ -59,7 +60,7 @@ template <class T, int lanes, class Guides>
 class Stepper {
 public:
     Stepper(const MountKernel<T>& kernel, const StepPlan& plan, const Guides& guides, LaneRun* runs, T* work)
-        : kernel_(kernel), plan_(plan), guides_(guides), runs_(runs) {
+        : kernel_(kernel), plan_(plan), drive_(plan.drive), guides_(guides), runs_(runs) {
         const auto take = [&work](int count) {
             T* taken = work;
             work += count;
@@ -160,66 +161,9 @@ private:
         for (int l = 0; l < lanes; ++l) {
             double part = part_[l] + (1 - part_[l]) * part_of_rest[l];
             if (part_of_rest[l] == 1) part = 1;
-            addLane(forcing, l, active(l) ? half_[l] + 2 * part : half_[l]);
+            drive_.read(active(l) ? half_[l] + 2 * part : half_[l], runs_[l].gain, l, forcing);
         }
         return forcing;
-    }
-    void addLane(Forcing<T>& forcing, int l, double place) const {
-        const DriveRows& drive = plan_.drive;
-        int row = static_cast<int>(place);
-        if (row > drive.count - 1) row = drive.count - 1;
-        const double part = place - row;
-        setLane(forcing.elapsed, l, drive.elapsed + drive.half_step * place);
-        if (drive.load != nullptr) {
-            const double* gain = runs_[l].gain;
-            double factor = gain == nullptr ? 1.0 : gain[row];
-            if (gain != nullptr && part > 0) factor += part * (gain[row + 1] - gain[row]);
-            setRows(forcing.load, l, drive.load, row, part, factor);
-        }
-        if (drive.base != nullptr) setRows(forcing.base, l, drive.base, row, part, 1.0);
-        if (drive.frames != nullptr) setFrame(forcing, l, row, part);
-    }
-    void setRows(Vec3<T>& to, int l, const double* table, int row, double part, double factor) const {
-        double value[3];
-        interpolateRows(table, plan_.drive.count, row, part, value);
-        setLane(to.x, l, factor * value[0]);
-        setLane(to.y, l, factor * value[1]);
-        setLane(to.z, l, factor * value[2]);
-    }
-    static void interpolateRows(const double* table, int count, int row, double part, double* value) {
-        const double* at = table + 3 * static_cast<long>(row);
-        if (part == 0) {
-            for (int i = 0; i < 3; ++i) value[i] = at[i];
-            return;
-        }
-        // The cubic through four rows; a parabola or a line where there are fewer.
-        const int first = row > 0 ? row - 1 : row, last = row + 2 < count ? row + 2 : row + 1;
-        for (int i = 0; i < 3; ++i) value[i] = 0;
-        for (int j = first; j <= last; ++j) {
-            double weight = 1;
-            for (int m = first; m <= last; ++m)
-                if (m != j) weight *= (row + part - m) / (j - m);
-            for (int i = 0; i < 3; ++i) value[i] += weight * table[3 * static_cast<long>(j) + i];
-        }
-    }
-    void setFrame(Forcing<T>& forcing, int l, int row, double part) const {
-        FrameRow between{};
-        const FrameRow* frame = plan_.drive.frames + row;
-        if (part > 0) {
-            plan_.drive.interpolate(frame[0], frame[1], part, plan_.drive.half_step, between);
-            frame = &between;
-        }
-        setVector(forcing.R_GF.x, l, frame->R_GF);
-        setVector(forcing.R_GF.y, l, frame->R_GF + 3);
-        setVector(forcing.R_GF.z, l, frame->R_GF + 6);
-        setVector(forcing.p_GF, l, frame->p_GF);
-        setVector(forcing.w_GF, l, frame->w_GF);
-        setVector(forcing.v_GF, l, frame->v_GF);
-    }
-    static void setVector(Vec3<T>& to, int l, const double* value) {
-        setLane(to.x, l, value[0]);
-        setLane(to.y, l, value[1]);
-        setLane(to.z, l, value[2]);
     }
 
     void calc(const T* y, const Forcing<T>& forcing, double part_of_rest, T* rates, const Ends& motion) {
@@ -390,6 +334,7 @@ private:
 
     const MountKernel<T>& kernel_;
     const StepPlan& plan_;
+    const DriveReader<T> drive_;
     const Guides& guides_;
     LaneRun* runs_;
     T *y_, *next_, *stage_, *k1_, *k2_, *k3_, *k4_, *end_rates_;
