@@ -13,18 +13,38 @@
 namespace wems::identify {
 namespace {
 
-constexpr double kArm = 0.1;                 // m: angular accelerations times this compare with translations
-constexpr std::size_t kSegmentsWanted = 24;  // enough to see a clock drift
-constexpr std::size_t kLeastLength = 128;    // samples of a segment
-constexpr std::size_t kFewestBins = 3;       // the width of a Hann line
-constexpr double kBandWidth = 0.15;          // of its frequency
-constexpr std::size_t kFirstUsed = 4;        // the window's own spectrum spoils the bins below
-constexpr double kLeastCellShare = 0.05;     // of the power of its segment
-constexpr double kLeastPower = 1e-3;         // of the strongest cell
-constexpr double kAboveNoise = 4;            // power over that of the noise, for a bin to tell of motion
-constexpr double kHighestUsed = 0.5;         // of half the sampling rate: filters before sampling differ above
+// Measured on recordings of 24 random devices without fault, small errors of every sensor (38 parts): with the values
+// in brackets in place of a constant the median misfit (fault_misfit.hpp), 0.46, changes by 10 % at most.
+
+/// m: angular accelerations times this stand beside translations, a scale alone (0.01 and 1: no change).
+constexpr double kArm = 0.1;
+/// Half-overlapping segments of a recording, so that each end of a clock that drifts has several (12, 48).
+constexpr std::size_t kSegmentsWanted = 24;
+/// Samples of a segment, a power of two: three of the 32 bins that are then used are still a tenth of the band (64).
+constexpr std::size_t kLeastLength = 128;
+/// Bins of a cell: a line through Hann's window is four wide between its zeros, two at half its height.
+constexpr std::size_t kFewestBins = 3;
+/// Width of a cell over its frequency: a delay of 10 ms turns its ends by 0.24 rad against its middle at 50 Hz
+/// (0.05, 0.3).
+constexpr double kBandWidth = 0.15;
+/// Bins below: Hann's window spreads an offset over the first two, and of a drift it leaves 2 % at this one (1).
+constexpr std::size_t kFirstUsed = 4;
+/// Of the power of its segment, for a cell to count: of a sweep the band that it passes, not what leaks beside it. With
+/// 0.01 a tenth of the parts has a misfit above 1.02, with 0.05 above 0.79, with 0.2 above 0.76.
+constexpr double kLeastCellShare = 0.05;
+/// Of the strongest cell's power: weaker cells hold more of noise and leakage. With 1e-5 the median rises by 10 %.
+constexpr double kLeastPower = 1e-3;
+/// Power over that of the noise, for a bin to tell of motion: noise alone has four times its mean in exp(-4) = 2 % of
+/// the bins (1, 16).
+constexpr double kAboveNoise = 4;
+/// Of half the sampling rate: filters before sampling differ above, and the second difference's gain falls below 0.81
+/// (0.25, 0.9).
+constexpr double kHighestUsed = 0.5;
+/// Cells at most, to which the time of a search is in proportion (12). Of 60 faults in 24 recordings 45 are named with
+/// 48 cells in 1.3 s a recording, 48 with 12 in 0.46 s; but 12 leave a clock that drifts few cells at its ends.
 constexpr std::size_t kMostCells = 48;
-constexpr double kHannPower = 3.0 / 8;  // mean square of the window
+/// Mean square of Hann's window.
+constexpr double kHannPower = 3.0 / 8;
 
 using Spectra = std::vector<std::vector<std::complex<double>>>;  // segments of bins
 

@@ -9,9 +9,15 @@
 
 namespace wems::identify {
 
-/// Small errors of sensors (gain, direction, place) leave so much of a channel's own signal …
+// What small errors of sensors leave, relative to a signal. A gain off by 0.01, a direction by 0.01 rad and a place by
+// 1 mm of 0.1 m, the default tolerances of a model, leave one per cent each: of a channel's own signal gain and place,
+// of its neighbours' direction and place, 1.4 % together. Recordings of 100 random devices (gains within 0.5 %,
+// directions 0.5 degrees, places 0.5 mm) have misfits of 0.58 (median of 180 parts), 0.90 (nine of ten) and 1.09 (98 of
+// 100) of the floors.
+
+/// Of a channel's own signal; rounded up to two per cent. Without it 0.87 and 1.34 of the floors.
 constexpr double kOwnFloor = 0.02;
-/// … and so much of a typical channel of its kind.
+/// Of a typical channel of its kind. Without it 0.85 and 1.36 of the floors.
 constexpr double kOthersFloor = 0.015;
 
 /// What is wrong with each channel of a part.
