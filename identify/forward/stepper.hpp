@@ -107,7 +107,7 @@ private:
                 T(0.0) - calcPenetration(kernel_.constants + stop.constants, start_.q[stop.axis]), T(1.0), T(0.0));
         }
         for (int i = 0; i < plan_.bristle_count; ++i) anchor_[i] = start_.q[plan_.bristles[i].axis];
-        followDirections();
+        followDirections(false);
         calc(y_, forcing, 0.0, k1_, start_);
     }
 
@@ -212,7 +212,7 @@ private:
             stretch_[i] = start_.stretch[i];
             y_[plan_.at_internal + plan_.bristles[i].state] = start_.stretch[i];
         }
-        if (!kinked) followDirections();
+        followDirections(kinked);
         for (int l = 0; l < lanes; ++l) {
             if (!active(l)) continue;
             const double part = kinked ? parts[l] : 1.0;
@@ -226,10 +226,13 @@ private:
         }
     }
 
-    void followDirections() {
+    /// @param kinked some lanes have stopped at a kink, which has told theirs
+    void followDirections(bool kinked) {
         for (int i = 0; i < plan_.bristle_count; ++i) {
             const T& v = start_.v[plan_.bristles[i].axis];
-            direction_[i] = whereNegative(v, T(-1.0), whereNegative(T(0.0) - v, T(1.0), direction_[i]));
+            const T direction = whereNegative(v, T(-1.0), whereNegative(T(0.0) - v, T(1.0), direction_[i]));
+            for (int l = 0; l < lanes; ++l)
+                if (!(kinked && at_kink_now_[l])) setLane(direction_[i], l, lane(direction, l));
         }
     }
 
