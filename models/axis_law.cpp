@@ -38,6 +38,20 @@ std::optional<LawProblem> findFrictionProblem(const Friction& friction) {
     return findNotPositive("friction.presliding_stiffness", *friction.presliding_stiffness, ", N/m");
 }
 
+std::optional<LawProblem> findOutside(const std::string& key, double value, double lower, double upper) {
+    if (value >= lower && value <= upper) return std::nullopt;
+    return LawProblem{key, "is " + formatNumber(value), formatNumber(lower) + " to " + formatNumber(upper)};
+}
+
+std::optional<LawProblem> findHysteresisProblem(const Hysteresis& hysteresis) {
+    if (auto p = findNegative("hysteresis.force", hysteresis.force, ", N")) return p;
+    if (auto p = findNotPositive("hysteresis.yield_displacement", hysteresis.yield_displacement, ", m")) return p;
+    if (auto p = findOutside("hysteresis.exponent", hysteresis.exponent, 1, Hysteresis::sharpest)) return p;
+    auto p = findOutside("hysteresis.shape", hysteresis.shape, 0.5, 1);
+    if (p) p->accepted += ", since less would give back more energy than its spring holds";
+    return p;
+}
+
 }  // namespace
 
 std::optional<LawProblem> findProblem(const AxisLaw& law) {
@@ -60,6 +74,9 @@ std::optional<LawProblem> findProblem(const AxisLaw& law) {
     }
     if (law.friction) {
         if (auto p = findFrictionProblem(*law.friction)) return p;
+    }
+    if (law.hysteresis) {
+        if (auto p = findHysteresisProblem(*law.hysteresis)) return p;
     }
     for (std::size_t i = 0; i < law.stops.size(); ++i) {
         if (auto p = findStopProblem(law.stops[i], "stops[" + std::to_string(i) + "].")) return p;
@@ -86,28 +103,36 @@ AxisForce::AxisForce(const AxisLaw& law) : law_(law), static_stiffness_(law.stif
         friction_force_ = law.friction->force;
         transition_velocity_ = law.friction->transition_velocity;
         presliding_stiffness_ = law.friction->presliding_stiffness.value_or(0);
-        bristle_ = law.friction->presliding_stiffness.has_value();
-        sliding_ = !bristle_;
+        shape_.bristle = law.friction->presliding_stiffness.has_value();
+        shape_.sliding = !shape_.bristle;
     }
+    shape_.hysteresis = law.hysteresis.has_value();
+    shape_.stops = static_cast<int>(contacts_.size());
+    shape_.branches = static_cast<int>(branches_.size());
     collectConstants();
 }
 
 void AxisForce::collectConstants() {
-    shape_ = {static_cast<int>(contacts_.size()), static_cast<int>(branches_.size()), sliding_, bristle_};
     constants_ = {static_stiffness_, law_.stiffness * law_.drift, law_.cubic, law_.damping};
     for (const Contact& stop : contacts_) {
         constants_.insert(constants_.end(), {stop.direction, stop.direction * law_.offset - stop.clearance,
                                              stop.direction * stop.stiffness, stop.direction * stop.dissipation});
     }
-    if (sliding_) constants_.insert(constants_.end(), {friction_force_, 1 / transition_velocity_});
+    if (shape_.sliding) constants_.insert(constants_.end(), {friction_force_, 1 / transition_velocity_});
     for (const MaxwellBranch& branch : branches_)
         constants_.insert(constants_.end(), {branch.stiffness, 1 / branch.time_constant});
-    if (bristle_) {
+    if (shape_.bristle) {
         // Without any sliding force the bristle never stretches.
         const bool stretches = friction_force_ > 0;
         constants_.insert(
             constants_.end(),
             {presliding_stiffness_, stretches ? friction_force_ / presliding_stiffness_ : 1.0, stretches ? 1.0 : 0.0});
+    }
+    if (shape_.hysteresis) {
+        const Hysteresis& hysteresis = *law_.hysteresis;
+        constants_.insert(constants_.end(),
+                          {hysteresis.force / hysteresis.yield_displacement, hysteresis.yield_displacement,
+                           hysteresis.exponent, 2 * hysteresis.shape - 1});
     }
 }
 
@@ -135,7 +160,7 @@ double AxisForce::calcDamping(double q, double v, double, const double*) const {
             damping += stop.stiffness * penetration * stop.dissipation;
         }
     }
-    if (sliding_) {
+    if (shape_.sliding) {
         const double tanh = std::tanh(v / transition_velocity_);
         damping += friction_force_ / transition_velocity_ * (1 - tanh * tanh);
     }
@@ -152,7 +177,7 @@ double AxisForce::calcPotential(double q, double t, const double* z) const {
         const double stretch = q - *z++;
         energy += 0.5 * branch.stiffness * stretch * stretch;
     }
-    if (bristle_) energy += 0.5 * presliding_stiffness_ * *z * *z;
+    for (int i = 0; i < shape_.draggedCount(); ++i, ++z) energy += 0.5 * draggedConstants(i)[0] * *z * *z;
     return energy;
 }
 
@@ -165,20 +190,40 @@ double AxisForce::calcDissipatedPower(double q, double v, double, const double* 
             power += stop.stiffness * penetration * rate * std::max(-1.0, stop.dissipation * rate);
         }
     }
-    if (sliding_) power += friction_force_ * v * std::tanh(v / transition_velocity_);
+    if (shape_.sliding) power += friction_force_ * v * std::tanh(v / transition_velocity_);
     for (const MaxwellBranch& branch : branches_) {
         const double stretch = q - *z++;
         power += branch.stiffness * stretch * stretch / branch.time_constant;
     }
-    if (bristle_ && friction_force_ > 0) {
-        const double force = presliding_stiffness_ * *z;
-        power += std::abs(v) * force * force / friction_force_;
+    // Of what is dragged: its force times the part of v that does not stretch it.
+    if (shape_.bristle) {
+        const double force = presliding_stiffness_ * *z++;
+        if (friction_force_ > 0) power += std::abs(v) * force * force / friction_force_;
+    }
+    if (shape_.hysteresis) {
+        const double* c = constants_.data() + shape_.hysteresisConstants();
+        power += c[0] * *z * (v - calcHysteresisRate(c, v < 0 ? -1.0 : 1.0, v, *z));
     }
     return power;
 }
 
 void AxisForce::calcStateDerivative(double q, double v, const double* z, double* zdot) const {
-    calcAxisStateRates(shape_, constants_.data(), v < 0 ? -1.0 : 1.0, q, v, z, zdot);
+    const double sign = v < 0 ? -1.0 : 1.0, directions[2] = {sign, sign};
+    calcAxisStateRates(shape_, constants_.data(), directions, q, v, z, zdot);
+}
+
+void AxisForce::dragStates(double travel, double* z) const {
+    const double direction = travel < 0 ? -1.0 : 1.0;
+    for (int i = 0; i < shape_.draggedCount(); ++i) {
+        double& stretch = z[shape_.branches + i];
+        stretch = calcDragged(shape_, constants_.data(), i, direction, stretch, travel);
+    }
+}
+
+double AxisForce::draggedStiffness() const {
+    double stiffness = 0;
+    for (int i = 0; i < shape_.draggedCount(); ++i) stiffness += draggedConstants(i)[0];
+    return stiffness;
 }
 
 double AxisForce::calcStaticForce(double q) const {

@@ -8,6 +8,7 @@
 ///                   + c v                                dashpot
 ///                   + F tanh(v / v_t)                    dry friction (no presliding)
 ///                   + Σ_b g_b k (q − z_b)                Maxwell branches (relaxation, structural damping)
+///                   + F_h s / Y                          hysteresis of Bouc and Wen
 ///                   + Σ_stops                            see below
 ///
 /// A stop on side + with clearance c and its own stiffness k_s, the rest position being off the middle of the gap by
@@ -20,10 +21,20 @@
 /// `structuralBand()`, the static stiffness lowered so that the storage modulus is k at the band's geometric middle.
 /// The branches take that stiffness from the static one, so that η has an upper limit, `largestLossFactor()`.
 ///
+/// Hysteresis has one internal state s (m), |s| ≤ Y, and depends on the path alone, not on its speed:
+///
+///     s' = v − β |v| |w|^(n−1) w − γ v |w|^n,   w = s / Y,   γ = 1 − β
+///
+/// It starts as a spring of stiffness F_h / Y and slides at F_h; n says how sharp the knee is. With the energy of that
+/// spring, F_h s² / (2 Y), the power lost is F_h |w|^(n+1) (β |v| + γ v sign w), never negative if and only if β ≥ |γ|,
+/// that is β ≥ 1/2. With less, a release gives back more than that spring holds, though from 0 on less than was put in.
+/// At β = 1/2 unloading is as stiff as that spring, at β = 1 up to twice as stiff: the range of β.
+///
 /// Sign: f is the force that the law opposes to q, so that f = +k q; the mobile part receives −f.
 /// Continuity: f is C⁰ in q (C¹ but at the stops) and C⁰ in v; the derivatives at a kink are those from outside the
 /// stop. Sources: trilinear law, Noël, Kerschen, Newerla (IMAC XXX, 2012), eq. (11); Hunt, Crossley (1975),
-/// doi:10.1115/1.3423596; generalized Maxwell model, Lakes, Viscoelastic Materials (2009), ch. 2.
+/// doi:10.1115/1.3423596; Wen (1976), doi:10.1061/JMCEA3.0002106; generalized Maxwell model, Lakes, Viscoelastic
+/// Materials (2009), ch. 2.
 #pragma once
 
 #include <optional>
@@ -58,6 +69,17 @@ struct Friction {
     std::optional<double> presliding_stiffness;  ///< σ, N/m, > 0
 };
 
+/// Smooth hysteresis, the law of Bouc and Wen: of wire-rope and elastomer mounts, bolted joints.
+struct Hysteresis {
+    double force = 0;                  ///< F_h, N, ≥ 0, the sliding level
+    double yield_displacement = 1e-4;  ///< Y, m, > 0, from zero force to sliding if the knee were sharp
+    double exponent = 1;               ///< n, 1 to `sharpest`: large means a sharp knee
+    double shape = 0.5;                ///< β, 0.5 to 1
+
+    /// Here the knee is sharp: within 1.4 % of F_h of a spring that slides at once. Sharper ones only cost time.
+    static constexpr double sharpest = 50;
+};
+
 /// All that acts along one mount axis of one connection. Default-constructed: no force at all.
 struct AxisLaw {
     double stiffness = 0;    ///< k, N/m, ≥ 0
@@ -68,6 +90,7 @@ struct AxisLaw {
     double drift = 0;        ///< d, 1/s
     std::optional<Relaxation> relaxation;
     std::optional<Friction> friction;
+    std::optional<Hysteresis> hysteresis;
     std::vector<Stop> stops;
 };
 
@@ -101,8 +124,9 @@ public:
 
     const AxisLaw& law() const { return law_; }
 
-    /// Number of internal states: Maxwell branches first, then the bristle deflection if friction has presliding.
-    int stateCount() const { return static_cast<int>(branches_.size()) + (bristle_ ? 1 : 0); }
+    /// Number of internal states: Maxwell branches first, then the bristle deflection if friction has presliding, then
+    /// that of the hysteresis.
+    int stateCount() const { return shape_.stateCount(); }
 
     /// f (N). @param z stateCount() internal states (m), may be null if there are none.
     double calcForce(double q, double v, double t, const double* z) const;
@@ -111,7 +135,7 @@ public:
     double calcStiffness(double q, double v, double t, const double* z) const;
     double calcDamping(double q, double v, double t, const double* z) const;
 
-    /// Recoverable energy (J): elastomer, cubic term, stops, springs of the branches and bristle.
+    /// Recoverable energy (J): elastomer, cubic term, stops, springs of the branches, bristle and hysteresis.
     double calcPotential(double q, double t, const double* z) const;
 
     /// Power lost to heat (W), ≥ 0: f v − d/dt potential, the explicit time dependence (drift) excluded.
@@ -119,6 +143,12 @@ public:
 
     /// z' into `zdot` (m/s).
     void calcStateDerivative(double q, double v, const double* z, double* zdot) const;
+
+    /// What motion drags along, bristle and hysteresis, depends on the path alone: moves its states `z` (all of the
+    /// law) by the travel (m) of a motion in one direction.
+    void dragStates(double travel, double* z) const;
+    /// Stiffness (N/m) of what is dragged, for motions about rest too small for it to slide.
+    double draggedStiffness() const;
 
     /// The static part alone: elastomer with its static stiffness at t = 0, cubic term, stops; states relaxed.
     double calcStaticForce(double q) const;
@@ -143,6 +173,7 @@ private:
     double calcElastomerStiffness(double t) const { return static_stiffness_ + law_.stiffness * law_.drift * t; }
 
     void collectConstants();
+    const double* draggedConstants(int i) const { return constants_.data() + shape_.draggedConstants(i); }
 
     AxisLaw law_;
     AxisShape shape_;
@@ -151,7 +182,6 @@ private:
     std::vector<Contact> contacts_;
     double static_stiffness_ = 0;
     double friction_force_ = 0, transition_velocity_ = 1, presliding_stiffness_ = 0;
-    bool bristle_ = false, sliding_ = false;
 };
 
 }  // namespace wems

@@ -10,8 +10,12 @@
 ///     of sliding friction  force, 1 / transition velocity
 ///     of each branch       stiffness, 1 / time constant
 ///     of a bristle         stiffness σ, sliding stretch F / σ, 1 if it stretches at all
+///     of hysteresis        stiffness F / Y, sliding stretch Y, exponent n, 2 β − 1
+///
+/// Bristle and hysteresis are *dragged*: their stretch follows from the travel alone, and turns where the motion does.
 #pragma once
 
+#include "models/hysteresis_terms.hpp"
 #include "models/number_functions.hpp"
 
 namespace wems {
@@ -20,17 +24,24 @@ namespace wems {
 struct AxisShape {
     int stops = 0;
     int branches = 0;
-    bool sliding = false, bristle = false;
+    bool sliding = false, bristle = false, hysteresis = false;
 
-    int stateCount() const { return branches + (bristle ? 1 : 0); }
+    /// How many states are dragged: they come after those of the branches, the bristle first.
+    int draggedCount() const { return (bristle ? 1 : 0) + (hysteresis ? 1 : 0); }
+    int stateCount() const { return branches + draggedCount(); }
     /// Where constants begin, and how many there are.
     int stopConstants(int stop) const { return 4 + 4 * stop; }
     int branchConstants() const { return stopConstants(stops) + (sliding ? 2 : 0); }
     int bristleConstants() const { return branchConstants() + 2 * branches; }
-    int constantCount() const { return bristleConstants() + (bristle ? 3 : 0); }
+    int hysteresisConstants() const { return bristleConstants() + (bristle ? 3 : 0); }
+    /// Of the first or second dragged state. The second constant of each is the stretch at which it slides.
+    int draggedConstants(int dragged) const {
+        return bristle && dragged == 0 ? bristleConstants() : hysteresisConstants();
+    }
+    int constantCount() const { return hysteresisConstants() + (hysteresis ? 4 : 0); }
     bool operator==(const AxisShape& other) const {
         return stops == other.stops && branches == other.branches && sliding == other.sliding &&
-               bristle == other.bristle;
+               bristle == other.bristle && hysteresis == other.hysteresis;
     }
 };
 
@@ -41,12 +52,13 @@ inline T calcPenetration(const T* stop, const T& q) {
 }
 
 /// f (N).
-/// @param c constants of the axis
+/// @param constants of the axis
 /// @param closed closed(i, penetration) is 1 if stop i counts as in contact, otherwise 0
-/// @param z internal states, branches first
+/// @param z internal states, branches first, then what is dragged
 template <class T, class Closed>
-inline T calcAxisForce(const AxisShape& shape, const T* c, const Closed& closed, const T& q, const T& v, const T& t,
-                       const T* z) {
+inline T calcAxisForce(const AxisShape& shape, const T* constants, const Closed& closed, const T& q, const T& v,
+                       const T& t, const T* z) {
+    const T* c = constants;
     T f = (c[0] + c[1] * t + c[2] * q * q) * q + c[3] * v;
     c += 4;
     for (int i = 0; i < shape.stops; ++i, c += 4) {
@@ -58,17 +70,18 @@ inline T calcAxisForce(const AxisShape& shape, const T* c, const Closed& closed,
         c += 2;
     }
     for (int b = 0; b < shape.branches; ++b, c += 2) f += c[0] * (q - *z++);
-    if (shape.bristle) f += c[0] * *z;
+    for (int i = 0; i < shape.draggedCount(); ++i) f += constants[shape.draggedConstants(i)] * *z++;
     return f;
 }
 
-/// z' (m/s). @param direction sign of v
+/// z' (m/s). @param direction of the motion for each dragged state, ±1
 template <class T>
-inline void calcAxisStateRates(const AxisShape& shape, const T* c, const T& direction, const T& q, const T& v,
+inline void calcAxisStateRates(const AxisShape& shape, const T* constants, const T* direction, const T& q, const T& v,
                                const T* z, T* zdot) {
-    c += shape.branchConstants();
+    const T* c = constants + shape.branchConstants();
     for (int b = 0; b < shape.branches; ++b, c += 2) *zdot++ = (q - *z++) * c[1];
-    if (shape.bristle) *zdot = c[2] * v * (T(1.0) - direction * *z / c[1]);
+    if (shape.bristle) *zdot++ = c[2] * v * (T(1.0) - *direction++ * *z++ / c[1]);
+    if (shape.hysteresis) *zdot = calcHysteresisRate(constants + shape.hysteresisConstants(), *direction, v, *z);
 }
 
 /// The bristle after a travel in one direction, exactly: ds/dq = 1 − direction · s / (F / σ). A travel against the
@@ -78,6 +91,16 @@ template <class T>
 inline T calcBristle(const T* c, const T& direction, const T& before, const T& travel) {
     const T x = direction * travel / c[1];
     return before + c[2] * (direction * c[1] - before) * decayedPart(x);
+}
+
+/// A dragged state (the first or the second) after a travel.
+/// @param constants of the axis
+template <class T>
+inline T calcDragged(const AxisShape& shape, const T* constants, int dragged, const T& direction, const T& before,
+                     const T& travel) {
+    const T* c = constants + shape.draggedConstants(dragged);
+    return shape.bristle && dragged == 0 ? calcBristle(c, direction, before, travel)
+                                         : calcHysteresis(c, direction, before, travel);
 }
 
 }  // namespace wems

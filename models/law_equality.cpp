@@ -22,9 +22,14 @@ auto valuesOf(const Friction& friction) {
     return std::tie(force, transition_velocity, presliding_stiffness);
 }
 
+auto valuesOf(const Hysteresis& hysteresis) {
+    const auto& [force, yield_displacement, exponent, shape] = hysteresis;
+    return std::tie(force, yield_displacement, exponent, shape);
+}
+
 auto valuesOf(const AxisLaw& law) {
-    const auto& [stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, stops] = law;
-    return std::tie(stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, stops);
+    const auto& [stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, hysteresis, stops] = law;
+    return std::tie(stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, hysteresis, stops);
 }
 
 }  // namespace
@@ -38,6 +43,10 @@ bool operator==(const Relaxation& a, const Relaxation& b) {
 }
 
 bool operator==(const Friction& a, const Friction& b) {
+    return valuesOf(a) == valuesOf(b);
+}
+
+bool operator==(const Hysteresis& a, const Hysteresis& b) {
     return valuesOf(a) == valuesOf(b);
 }
 

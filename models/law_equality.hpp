@@ -10,6 +10,7 @@ namespace wems {
 bool operator==(const Stop& a, const Stop& b);
 bool operator==(const Relaxation& a, const Relaxation& b);
 bool operator==(const Friction& a, const Friction& b);
+bool operator==(const Hysteresis& a, const Hysteresis& b);
 bool operator==(const AxisLaw& a, const AxisLaw& b);
 
 }  // namespace wems

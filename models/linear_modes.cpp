@@ -32,10 +32,8 @@ public:
                 const double q = rest_q_(k, i);
                 const double* z = rest_.states.data() + laws.stateOffset(i, k);
                 rest_force_(k, i) = axis.calcStaticForce(q);
-                stiffness_(k, i) = axis.calcStaticStiffness(q);
+                stiffness_(k, i) = axis.calcStaticStiffness(q) + axis.draggedStiffness();
                 damping_(k, i) = axis.calcDamping(q, 0, 0, z);
-                const auto& friction = axis.law().friction;
-                if (friction && friction->presliding_stiffness) stiffness_(k, i) += *friction->presliding_stiffness;
                 for (const MaxwellBranch& branch : axis.branches()) {
                     if (!omega) {
                         branches_.push_back({i, k, branch});

@@ -40,9 +40,7 @@ LinearDynamics::LinearDynamics(const MountModel& model) : system_(linearizeExact
         for (int k = 0; k < 3; ++k) {
             const AxisForce& axis = laws.axis(i, k);
             const double* z = rest.states.data() + laws.stateOffset(i, k);
-            const auto& friction = axis.law().friction;
-            stiffness(k, k) = axis.calcStaticStiffness(q[k]) +
-                              (friction && friction->presliding_stiffness ? *friction->presliding_stiffness : 0);
+            stiffness(k, k) = axis.calcStaticStiffness(q[k]) + axis.draggedStiffness();
             damping(k, k) = axis.calcDamping(q[k], 0, 0, z);
         }
         stiffness_.push_back(stiffness);

@@ -52,6 +52,15 @@ Friction readFriction(TomlTable& table) {
     return friction;
 }
 
+Hysteresis readHysteresis(TomlTable& table) {
+    Hysteresis hysteresis;
+    hysteresis.force = table.requireNumber("force", "N");
+    hysteresis.yield_displacement = table.requireNumber("yield_displacement", "m");
+    hysteresis.exponent = table.findNumber("exponent").value_or(hysteresis.exponent);
+    hysteresis.shape = table.findNumber("shape").value_or(hysteresis.shape);
+    return hysteresis;
+}
+
 AxisLaw readAxis(TomlTable& table) {
     AxisLaw law;
     for (const AxisNumber& number : kAxisNumbers)
@@ -64,6 +73,7 @@ AxisLaw readAxis(TomlTable& table) {
             Relaxation{relaxation.requireNumber("stiffness_ratio", ""), relaxation.requireNumber("time_constant", "s")};
     });
     table.readTable("friction", [&law](TomlTable& friction) { law.friction = readFriction(friction); });
+    table.readTable("hysteresis", [&law](TomlTable& hysteresis) { law.hysteresis = readHysteresis(hysteresis); });
     return law;
 }
 

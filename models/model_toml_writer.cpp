@@ -121,6 +121,12 @@ void writeAxis(const AxisLaw& law, const Tolerances& tolerances, char axis, Writ
         }
         out.key("friction", friction + " }");
     }
+    if (law.hysteresis) {
+        out.key("hysteresis", "{ force = " + number(law.hysteresis->force) +
+                                  ", yield_displacement = " + number(law.hysteresis->yield_displacement) +
+                                  ", exponent = " + number(law.hysteresis->exponent) +
+                                  ", shape = " + number(law.hysteresis->shape) + " }");
+    }
     std::string stops;
     for (const Stop& stop : law.stops) stops += (stops.empty() ? "[ " : ",\n          ") + formatStop(stop);
     if (!stops.empty()) out.key("stops", stops + " ]");

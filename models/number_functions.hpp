@@ -21,4 +21,10 @@ inline double reciprocalRoot(double x) {
     return 1 / std::sqrt(x);
 }
 
+/// A function of numbers that has no form for packs: of each lane by itself.
+template <class Function, class... More>
+inline double perNumber(const Function& function, double first, More... more) {
+    return function(first, more...);
+}
+
 }  // namespace wems

@@ -23,9 +23,18 @@ std::pair<int, int> inertiaEntry(int index) {
     return {kRow[index], kColumn[index]};
 }
 
+/// The numbers of a hysteresis by their names; nullptr if it is none of them.
+double Hysteresis::*findHysteresisNumber(const std::string& parameter) {
+    if (parameter == "hysteresis_force") return &Hysteresis::force;
+    if (parameter == "yield_displacement") return &Hysteresis::yield_displacement;
+    if (parameter == "exponent") return &Hysteresis::exponent;
+    return parameter == "shape" ? &Hysteresis::shape : nullptr;
+}
+
 double getAxis(const AxisLaw& law, const Target& target, const std::string& name) {
     const auto& p = target.parameter;
     if (const AxisNumber* number = findAxisNumber(p)) return law.*number->member;
+    if (const auto member = findHysteresisNumber(p)) return law.hysteresis.value_or(Hysteresis{}).*member;
     if (p == "stiffness_ratio") return law.relaxation ? law.relaxation->stiffness_ratio : 0.0;
     if (p == "time_constant") return law.relaxation ? law.relaxation->time_constant : kNewTimeConstant;
     if (p == "friction_force") return law.friction ? law.friction->force : 0.0;
@@ -52,6 +61,9 @@ void setAxis(AxisLaw& law, const Target& target, const std::string& name, double
     };
     if (const AxisNumber* number = findAxisNumber(p)) {
         law.*number->member = value;
+    } else if (const auto member = findHysteresisNumber(p)) {
+        if (!law.hysteresis) law.hysteresis = Hysteresis{};
+        (*law.hysteresis).*member = value;
     } else if (p == "stiffness_ratio") {
         relaxation().stiffness_ratio = value;
     } else if (p == "time_constant") {

@@ -4,6 +4,7 @@
 ///     1.z.stiffness  1.z.damping  1.z.offset  1.z.cubic  1.z.loss_factor  1.z.drift        connection.axis.parameter
 ///     1.z.stiffness_ratio  1.z.time_constant  1.z.friction_force  1.z.transition_velocity
 ///     1.z.presliding_stiffness
+///     1.z.hysteresis_force  1.z.yield_displacement  1.z.exponent  1.z.shape
 ///     1.z.dissipation                                    χ of all stops of that axis
 ///     4.z.+.clearance  4.z.+.stiffness  4.z.+.dissipation                                  connection.axis.side
 ///     body.mass  body.center_of_gravity.x  body.inertia.Ixx … Iyz  body.spin.x
@@ -28,8 +29,9 @@ namespace wems {
 double getParameter(const MountModel& model, const std::string& name);
 
 /// Sets a parameter, creating the mechanism (relaxation, friction, stop, sensor, load correction) where it is absent:
-/// a new relaxation has a time constant of 10 ms, a new friction a transition velocity of 1 mm/s, a new stop the
-/// stiffness of the model's other stops (10 times the elastomer's if there are none). A `load.gain` replaces a table.
+/// a new relaxation has a time constant of 10 ms, a new friction a transition velocity of 1 mm/s, a new
+/// hysteresis a yield displacement of 0.1 mm, a new stop the stiffness of the model's other stops (10 times the
+/// elastomer's if there are none). A `load.gain` replaces a table.
 /// @throws InputError as getParameter; ranges are left to validate().
 void setParameter(MountModel& model, const std::string& name, double value);
 

@@ -36,7 +36,8 @@ double axisScale(const MountModel& model, const Target& target, const std::strin
     if (p == "offset") return 0.1 * typicalClearance(model);
     if (p == "cubic") return 0.1 * stiffness / (kTypicalDisplacement * kTypicalDisplacement);
     if (p == "drift") return 1e-3;
-    if (p == "friction_force") return 0.1 * kTypicalDisplacement * stiffness;
+    if (p == "friction_force" || p == "hysteresis_force") return 0.1 * kTypicalDisplacement * stiffness;
+    if (p == "yield_displacement" || p == "exponent" || p == "shape") return getParameter(model, name);
     if (p == "transition_velocity") return 1e-3;
     if (p == "presliding_stiffness") return stiffness;
     if (p == "dissipation") return 0.5;
@@ -74,9 +75,9 @@ std::string parameterUnit(const std::string& name) {
     }
     if (const AxisNumber* number = findAxisNumber(p)) return number->unit;
     if (p == "presliding_stiffness") return "N/m";
-    if (p == "clearance") return "m";
+    if (p == "clearance" || p == "yield_displacement") return "m";
     if (p == "time_constant" || p == "delay") return "s";
-    if (p == "friction_force") return "N";
+    if (p == "friction_force" || p == "hysteresis_force") return "N";
     if (p == "transition_velocity") return "m/s";
     if (p == "dissipation") return "s/m";
     if (p == "frequency") return "Hz";

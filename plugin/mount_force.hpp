@@ -11,10 +11,10 @@
 /// neither depends on where the world's axes point nor on which body moves. The model's body, bracket, gravity, load
 /// and sensors play no role here: the bodies are yours.
 ///
-/// State variables: internal states of the laws (Maxwell branches, friction) and the dissipated energy, all z; the
-/// laws themselves are a discrete variable (setLaws), so that stiffness, clearance and the like change in a given
-/// State without new topology. Kinetic + calcPotentialEnergy + calcDissipatedEnergy is constant where nothing else
-/// acts and no stiffness drifts.
+/// State variables: internal states of the laws (Maxwell branches, friction, hysteresis) and the dissipated energy, all
+/// z; the laws themselves are a discrete variable (setLaws), so that stiffness, clearance and the like change in a
+/// given State without new topology. Kinetic + calcPotentialEnergy + calcDissipatedEnergy is constant where nothing
+/// else acts and no stiffness drifts.
 ///
 /// Use (see also tests/consumer):
 /// @code

@@ -52,6 +52,9 @@ void searchAxis(const AxisLaw& law, const std::string& place, Search& search) {
             search.spring(place + "presliding_stiffness", *law.friction->presliding_stiffness,
                           *law.friction->presliding_stiffness);
     }
+    if (law.hysteresis)
+        search.spring(place + "hysteresis_force", law.hysteresis->force,
+                      law.hysteresis->force / law.hysteresis->yield_displacement);
     for (const Stop& stop : law.stops) {
         const std::string side = place + (stop.side == Side::positive ? "+." : "-.");
         search.spring(side + "stiffness", stop.stiffness, law.stiffness + stop.stiffness);

@@ -115,6 +115,8 @@ std::string keepFittedTerms(AxisLaw& law) {
         dropped.emplace_back("friction.presliding_stiffness");
         law.friction->presliding_stiffness.reset();
     }
+    if (law.hysteresis) dropped.emplace_back("hysteresis");
+    law.hysteresis.reset();
     double dissipation = 0;
     for (Stop& stop : law.stops) dissipation = std::max(dissipation, std::exchange(stop.dissipation, 0.0));
     drop("stops.dissipation", dissipation);

@@ -5,8 +5,8 @@
 /// force (zero of the load cell, weight), and of what the law of that axis has: each stop's clearance and stiffness,
 /// the cubic term, dry friction. Everything but the clearances is linear; they come from variable projection
 /// (block_regression.hpp). The friction's transition velocity is the model's. What else the law has (offset, loss
-/// factor, relaxation, drift, presliding, a stop's dissipation) is left out of the fitted model, which a note says:
-/// together with the fitted values it would act twice.
+/// factor, relaxation, drift, presliding, hysteresis, a stop's dissipation) is left out of the fitted model, which a
+/// note says: together with the fitted values it would act twice.
 #pragma once
 
 #include <optional>

@@ -59,9 +59,6 @@ Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int co
         steps.push_back(makeBranchStep(run.interval, branches[b].time_constant));
         z[b] = q[0];
     }
-    const bool bristle = z.size() > branches.size();
-    const double stretch =
-        bristle && law.friction->force > 0 ? law.friction->force / *law.friction->presliding_stiffness : 0.0;
     for (int k = 0; k < count; ++k) {
         if (k > 0) {
             for (std::size_t b = 0; b < branches.size(); ++b) {
@@ -69,11 +66,7 @@ Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int co
                 z[b] = s.decay * z[b] + s.weight[0] * q[k - 1] + s.weight[1] * run.interval * v[k - 1] +
                        s.weight[2] * q[k] + s.weight[3] * run.interval * v[k];
             }
-            if (bristle) {
-                const double dq = q[k] - q[k - 1];
-                const double limit = std::copysign(stretch, dq);
-                z.back() = stretch > 0 ? limit + (z.back() - limit) * std::exp(-std::abs(dq) / stretch) : 0.0;
-            }
+            force.dragStates(q[k] - q[k - 1], z.data());
         }
         result[k] = force.calcForce(q[k], v[k], run.time[k], z.data());
     }

@@ -18,11 +18,7 @@ void advanceStates(const AxisForce& force, double q0, double q1, double dt, std:
         z[next] = q1 - lag + (z[next] - q0 + lag) * std::exp(-dt / branch.time_constant);
         ++next;
     }
-    if (next == z.size()) return;
-    const Friction& friction = *force.law().friction;  // the bristle's state comes last
-    if (friction.force <= 0) return;
-    const double limit = std::copysign(friction.force / *friction.presliding_stiffness, q1 - q0);
-    z[next] = limit + (z[next] - limit) * std::exp(-std::abs((q1 - q0) / limit));
+    force.dragStates(q1 - q0, z.data());
 }
 
 void fillHistory(const AxisLaw& law, Eigen::Index column, const RelativeHistory& relative,

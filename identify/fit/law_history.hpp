@@ -25,7 +25,7 @@ RelativeHistory calcRelativeHistory(const RunMotion& motion, const MountModel& m
 struct LawHistory {
     /// Elastomer force for a stiffness of 1 N/m: q, or with drift, relaxation and loss factor as the model has them.
     RowMatrix unit_elastic;
-    /// What no parameter of the fit scales: cubic term, friction, any second stop on the same side, N.
+    /// What no parameter of the fit scales: cubic term, friction, hysteresis, any second stop on the same side, N.
     RowMatrix known;
     bool elastic_is_displacement = true;  ///< unit_elastic equals q and is left empty
     bool known_is_zero = true;            ///< known is zero and is left empty

@@ -47,8 +47,8 @@ KernelModel::KernelModel(const MountModel& model) : mode_count_(static_cast<int>
             const AxisShape& shape = force.shape();
             const int axis = static_cast<int>(shapes_.size()), at = static_cast<int>(constants_.size());
             for (int i = 0; i < shape.stops; ++i) stops_.push_back({axis, at + shape.stopConstants(i)});
-            if (shape.bristle)
-                bristles_.push_back({axis, at + shape.bristleConstants(), internal_states_ + shape.branches});
+            for (int i = 0; i < shape.draggedCount(); ++i)
+                bristles_.push_back({axis, at + shape.draggedConstants(i), internal_states_ + shape.branches + i});
             internal_states_ += shape.stateCount();
             shapes_.push_back(shape);
             constants_.insert(constants_.end(), force.constants().begin(), force.constants().end());

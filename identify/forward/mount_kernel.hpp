@@ -7,8 +7,8 @@
 ///
 /// A *regime* says which branch of each kink holds: the stops in contact, the direction that each bristle is dragged
 /// in. Within a regime all is smooth, so that an integrator keeps its order; identify/forward/kinks.hpp tells when one
-/// ends. Bristles are no differential equation here: their stretch follows exactly from the travel since the regime's
-/// anchor, however fast the sliding is.
+/// ends. Bristles are no differential equation here: their stretch follows from the travel since the regime's anchor,
+/// however fast the sliding is. All that is dragged counts as a bristle, hysteresis too (models/axis_terms.hpp).
 #pragma once
 
 #include "identify/forward/small_matrix.hpp"
@@ -156,15 +156,13 @@ inline MountSum<T> calcConnections(const MountKernel<T>& kernel, const Mat3<T>& 
         T f[3];
         for (int k = 0; k < 3; ++k, ++shape, ++q, ++rate) {
             T states[16];
-            T direction = 1.0;
+            const T* direction = regime.direction + bristle;
             const int count = shape->stateCount();
             for (int b = 0; b < shape->branches; ++b) states[b] = z[b];
-            if (shape->bristle) {
-                direction = regime.direction[bristle];
-                const T stretch = calcBristle(c + shape->bristleConstants(), direction, regime.stretch[bristle],
-                                              *q - regime.anchor[bristle]);
-                states[shape->branches] = stretch;
-                motion.stretch[bristle++] = stretch;
+            for (int d = 0; d < shape->draggedCount(); ++d, ++bristle) {
+                motion.stretch[bristle] = calcDragged(*shape, c, d, regime.direction[bristle], regime.stretch[bristle],
+                                                      *q - regime.anchor[bristle]);
+                states[shape->branches + d] = motion.stretch[bristle];
             }
             f[k] = calcAxisForce(
                 *shape, c, [&](int s, const T&) { return closed[s]; }, *q, *rate, elapsed, states);

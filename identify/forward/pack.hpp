@@ -72,6 +72,12 @@ struct Pack {
         for (int i = 0; i < lanes; ++i) result.v[i] = function(x.v[i]);
         return result;
     }
+    template <class Function, class... More>
+    friend Pack perNumber(const Function& function, const Pack& first, const More&... more) {
+        Pack result = first;
+        for (int i = 0; i < lanes; ++i) result.v[i] = function(first.v[i], more.v[i]...);
+        return result;
+    }
     friend Pack reciprocalRoot(const Pack& x) {
         return each(x, [](double s) { return 1 / __builtin_sqrt(s); });
     }

@@ -22,8 +22,7 @@ double calcLargestStiffness(const AxisForce& force) {
         (stop.side == Side::positive ? positive : negative) += std::max(0.0, stop.stiffness);
     double stiffness = law.stiffness + std::max(positive, negative);
     for (const MaxwellBranch& branch : force.branches()) stiffness += branch.stiffness;
-    if (law.friction && law.friction->presliding_stiffness) stiffness += *law.friction->presliding_stiffness;
-    return stiffness;
+    return stiffness + force.draggedStiffness();
 }
 
 double calcLargestDamping(const AxisLaw& law) {

@@ -66,10 +66,14 @@ PeriodicSystem::PeriodicSystem(const MountModel& model, const HarmonicInput& inp
     for (int i = 0; i < laws.connectionCount(); ++i)
         for (int k = 0; k < 3; ++k) {
             const AxisForce& force = laws.axis(i, k);
-            if (force.law().friction && force.law().friction->presliding_stiffness)
-                throw InputError({"", 0, "connection[" + std::to_string(i) + "]." + "xyz"[k] + ".friction"},
+            const std::string place = "connection[" + std::to_string(i) + "]." + "xyz"[k];
+            if (force.shape().bristle)
+                throw InputError({"", 0, place + ".friction"},
                                  "has presliding, whose force depends on all that went before",
                                  "friction without presliding_stiffness, or a simulation in time");
+            if (force.shape().hysteresis)
+                throw InputError({"", 0, place + ".hysteresis"}, "its force depends on all that went before",
+                                 "a law without it, or a simulation in time");
             if (isNonlinear(force.law())) axes_.emplace_back(i, k, force, rest_(k, i));
         }
     // A linear model is answered by the same methods: one axis, which adds nothing.

@@ -40,8 +40,8 @@ private:
 
 class PeriodicSystem {
 public:
-    /// @throws InputError if the model has no static equilibrium, or friction with presliding, whose force depends on
-    /// its whole history
+    /// @throws InputError if the model has no static equilibrium, or friction with presliding or hysteresis, whose
+    /// force depends on its whole history
     PeriodicSystem(const MountModel& model, const HarmonicInput& input);
 
     const MountModel& model() const { return model_; }

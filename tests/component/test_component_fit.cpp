@@ -110,6 +110,7 @@ TEST_CASE("The fitted model has nothing twice: its force is the measured one") {
     law.loss_factor = 0.2;
     law.offset = 0.2e-3;
     law.relaxation = Relaxation{0.3, 0.01};
+    law.hysteresis = Hysteresis{20, 1e-4, 1, 0.5};
     law.stops = {{Side::positive, 1.8e-3, 1e6, 0.4}, {Side::negative, 1.1e-3, 1e6, 0}, {Side::negative, 9e-3, 1e6, 0}};
     SyntheticTest test;
     test.noise = 2;
@@ -133,7 +134,7 @@ TEST_CASE("The fitted model has nothing twice: its force is the measured one") {
     // Never reached, but where noise looks like a bend (once in some hundred draws): the model's, from rest.
     if (!fit.not_identifiable.empty()) CHECK(fitted.law().stops[2].clearance == Approx(9.2e-3));
     CHECK(std::count_if(fit.notes.begin(), fit.notes.end(), [](const std::string& note) {
-              return note.find("the model's offset, loss_factor, relaxation, stops.dissipation") == 0;
+              return note.find("the model's offset, loss_factor, relaxation, hysteresis, stops.dissipation") == 0;
           }) == 1);
 }
 

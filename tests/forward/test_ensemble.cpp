@@ -30,6 +30,8 @@ MountModel drawDevice(std::mt19937& random, bool with_bracket) {
     }
     model.connections[0].axis[0].friction = Friction{vary(5), 5e-3, {}};
     model.connections[1].axis[2].friction = Friction{vary(10), 1e-3, 4e5};
+    model.connections[1].axis[2].hysteresis = Hysteresis{vary(10), vary(1e-4), vary(2), vary(0.7)};
+    model.connections[2].axis[0].hysteresis = Hysteresis{vary(5), vary(1e-4), vary(1.5), 0.5};
     model.connections[2].axis[1].relaxation = Relaxation{vary(0.3), 0.01};
     model.connections[2].axis[2].loss_factor = vary(0.1);
     model.connections[3].axis[2].cubic = vary(1e10);

@@ -57,6 +57,7 @@ TEST_CASE("energy plus dissipated energy stays constant with every mechanism in 
     model.connections[1].axis[1].loss_factor = 0.1;
     model.connections[2].axis[0].friction = Friction{3.0, 1e-2, {}};
     model.connections[2].axis[1].friction = Friction{3.0, 1e-3, 1e5};
+    model.connections[3].axis[1].hysteresis = Hysteresis{3.0, 2e-4, 1.5, 0.7};
     const ForwardModel forward(model);
     constexpr int samples = 2001;
     const Drive drive = Drive::makeFree(test::makeGrid(2e-4, samples, 4));

@@ -57,6 +57,20 @@ double calcExact(double t, double velocity, double clearance, double free, doubl
     return sign * velocity / free * std::sin(free * (half_period - within));
 }
 
+/// The error under a load of 300 N with two steps a sample, and how it falls with eight, both against 64.
+void checkFallsFasterThanSecondPower(const MountModel& model) {
+    const ForwardModel forward(model);
+    const auto run = [&](int steps) {
+        const TimeGrid grid = test::makeGrid(1e-3, 401, steps);
+        return forward.simulate(Drive::makeLoad(test::makeTimes(grid), test::makeLoad(grid, 300), {}, grid)).q;
+    };
+    const Eigen::MatrixXd reference = run(64);
+    const double two = test::calcRelativeError(run(2), reference), eight = test::calcRelativeError(run(8), reference);
+    CAPTURE(two, eight);
+    CHECK(two < 1e-4);
+    CHECK(std::log2(two / eight) / 2 > 2);
+}
+
 }  // namespace
 
 TEST_CASE("the first root of a cubic in a step is found") {
@@ -148,14 +162,40 @@ TEST_CASE("with presliding friction the error falls faster than with the second 
         connection.axis[2].friction = Friction{15, 1e-3, 4e5};
         connection.axis[2].stops = {{Side::positive, 2e-4, 8e5, 0.2}, {Side::negative, 2e-4, 8e5, 0.2}};
     }
+    checkFallsFasterThanSecondPower(model);
+}
+
+TEST_CASE("sliding with hysteresis is right however fast") {
+    // As above with a sharp knee: the rate at the level is n v / Y = 1e6 1/s.
+    MountModel model = test::makeOscillator();
+    AxisLaw& law = model.connections[0].axis[2];
+    law.stiffness = 0;
+    const double force = 10, yield = 1e-5, velocity = 1.0, mass = model.body.mass;
+    law.hysteresis = Hysteresis{force, yield, 10, 0.5};
     const ForwardModel forward(model);
-    const auto run = [&](int steps) {
-        const TimeGrid grid = test::makeGrid(1e-3, 401, steps);
-        return forward.simulate(Drive::makeLoad(test::makeTimes(grid), test::makeLoad(grid, 300), {}, grid)).q;
-    };
-    const Eigen::MatrixXd reference = run(64);
-    const double two = test::calcRelativeError(run(2), reference), eight = test::calcRelativeError(run(8), reference);
-    CAPTURE(two, eight);
-    CHECK(two < 1e-4);
-    CHECK(std::log2(two / eight) / 2 > 2);
+    const TimeGrid grid = test::makeGrid(1e-3, 301, 1);
+    const Drive drive = Drive::makeFree(grid);
+    ForwardState state = forward.restState();
+    state.mobile.v_GM.z() = velocity;
+    state.internal[0] = yield;
+    const Simulation run = forward.simulate(drive, state, 0, grid.samples, Keep::states);
+    for (int k : {10, 50, 100, 199}) {
+        const double t = grid.sampleTime(k), slowing = force / mass;
+        CHECK(forward.stateAt(run, drive, k).mobile.v_GM.z() == Approx(velocity - slowing * t).margin(1e-12));
+        CHECK(run.q(2, k) == Approx(velocity * t - slowing * t * t / 2));
+        CHECK(forward.stateAt(run, drive, k).internal[0] == Approx(yield));
+    }
+    for (int k = 1; k < grid.samples; ++k)
+        CHECK(forward.calcEnergy(run, drive, k) <= forward.calcEnergy(run, drive, k - 1) + 1e-5);
+}
+
+TEST_CASE("with hysteresis the error falls faster than with the second power of the step") {
+    MountModel model = test::makeCross();
+    model.bracket = test::makeBracketModes();
+    for (Connection& connection : model.connections) {
+        for (AxisLaw& law : connection.axis) law.damping = 1e-3 * law.stiffness;
+        connection.axis[2].hysteresis = Hysteresis{15, 5e-5, 2, 0.5};
+        connection.axis[0].hysteresis = Hysteresis{3, 5e-5, 1, 0.7};
+    }
+    checkFallsFasterThanSecondPower(model);
 }

@@ -19,6 +19,7 @@ MountModel slowDown(const MountModel& model, double factor) {
                 law.friction->transition_velocity /= factor;
                 if (law.friction->presliding_stiffness) *law.friction->presliding_stiffness *= force;
             }
+            if (law.hysteresis) law.hysteresis->force *= force;
             for (auto& stop : law.stops) {
                 stop.stiffness *= force;
                 stop.dissipation *= factor;

@@ -41,6 +41,7 @@ public:
             law.friction = Friction{number(0.5, 20), number(1e-3, 1e-2), {}};
             if (chance()) law.friction->presliding_stiffness = number(1e4, 1e6);
         }
+        if (chance()) law.hysteresis = Hysteresis{number(0.5, 40), number(2e-5, 1e-3), number(1, 8), number(0.5, 1)};
         for (int i = integer(0, 2); i > 0; --i) {
             law.stops.push_back({chance() ? Side::positive : Side::negative, number(5e-4, 2e-3), number(1e5, 1e6),
                                  chance() ? number(0.1, 2) : 0.0});

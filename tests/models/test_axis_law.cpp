@@ -18,8 +18,9 @@ std::vector<double> randomStates(const AxisForce& force, RandomValues& random) {
     for (double& state : z) state = random.number(-1e-3, 1e-3);
     if (force.law().friction && force.law().friction->presliding_stiffness) {  // |σ s| ≤ F
         const double limit = force.law().friction->force / *force.law().friction->presliding_stiffness;
-        z.back() = random.number(-limit, limit);
+        z[force.branches().size()] = random.number(-limit, limit);
     }
+    if (force.law().hysteresis) z.back() = force.law().hysteresis->yield_displacement * random.number(-1, 1);
     return z;
 }
 
@@ -218,6 +219,11 @@ TEST_CASE("values out of range are named with their key") {
          [](AxisLaw& law) {
              law.friction = Friction{1, 1e-3, 0.0};
          }},
+        {"hysteresis.force", [](AxisLaw& law) { law.hysteresis->force = -1; }},
+        {"hysteresis.yield_displacement", [](AxisLaw& law) { law.hysteresis->yield_displacement = 0; }},
+        {"hysteresis.exponent", [](AxisLaw& law) { law.hysteresis->exponent = 51; }},
+        {"hysteresis.exponent", [](AxisLaw& law) { law.hysteresis->exponent = not_a_number; }},
+        {"hysteresis.shape", [](AxisLaw& law) { law.hysteresis->shape = 1.01; }},
         {"stops[1].clearance", [](AxisLaw& law) { law.stops[1].clearance = 0; }},
         {"stops[0].stiffness", [](AxisLaw& law) { law.stops[0].stiffness = not_a_number; }},
         {"stops[1].dissipation", [](AxisLaw& law) { law.stops[1].dissipation = -1; }},
@@ -225,6 +231,7 @@ TEST_CASE("values out of range are named with their key") {
     AxisLaw good;
     good.stiffness = 1;
     good.stops = {{Side::positive, 1e-3, 1e5, 0}, {Side::negative, 1e-3, 1e5, 0}};
+    good.hysteresis = Hysteresis{1, 1e-4, 1, 0.5};
     REQUIRE_FALSE(findProblem(good));
     for (const Case& bad : cases) {
         AxisLaw law = good;

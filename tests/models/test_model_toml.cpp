@@ -132,6 +132,11 @@ TEST_CASE("every key lands in its place") {
     CHECK(z.friction->force == 12);
     CHECK(z.friction->transition_velocity == 1e-3);
     CHECK(*z.friction->presliding_stiffness == 1e5);
+    REQUIRE(z.hysteresis);
+    CHECK(z.hysteresis->force == 40);
+    CHECK(z.hysteresis->yield_displacement == 2e-4);
+    CHECK(z.hysteresis->exponent == 1.5);
+    CHECK(z.hysteresis->shape == 0.6);
     CHECK(AxisForce(model.connections[0].axis[1]).calcForce(1e-3, 1, 0, nullptr) == 0);
     REQUIRE(model.bracket.size() == 2);
     CHECK(model.bracket[0].frequency == 34);

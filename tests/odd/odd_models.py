@@ -76,7 +76,8 @@ def odd_law(text, random):
     value = random.choice(["0.0", "1e9", "1e-12", "-1.0", "1e300", "0.5"])
     law = random.choice([f"offset = {value}", f"cubic = {value}", f"loss_factor = {value}", f"drift = {value}",
                          f"relaxation = {{ stiffness_ratio = {value}, time_constant = 1e-9 }}",
-                         f"friction = {{ force = {value}, transition_velocity = 1e-9 }}"])
+                         f"friction = {{ force = {value}, transition_velocity = 1e-9 }}",
+                         f"hysteresis = {{ force = {value}, yield_displacement = 1e-9 }}"])
     return re.sub(r"^(\[connection\.z\])$", lambda match: match.group(1) + "\n" + law, text, flags=re.MULTILINE)
 
 

@@ -218,4 +218,8 @@ TEST_CASE("what a response curve cannot be made of is refused") {
     CHECK_THROWS_AS(calcResponseCurve(model, test::driveBy(1, 1), {5, 50, 0, true, {}}), InputError);
     model.connections[0].axis[0].friction = Friction{1, 1e-3, 1e5};
     CHECK_THROWS_AS(calcResponseCurve(model, test::driveBy(1, 1), {5, 50, 5, true, {}}), InputError);
+    model.connections[0].axis[0].friction.reset();
+    model.connections[0].axis[0].hysteresis = Hysteresis{1, 1e-4, 1, 0.5};
+    CHECK_THROWS_WITH(calcResponseCurve(model, test::driveBy(1, 1), {5, 50, 5, true, {}}),
+                      Catch::Contains("connection[0].x.hysteresis"));
 }

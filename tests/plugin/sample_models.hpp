@@ -49,6 +49,7 @@ inline MountModel withLosses(MountModel model) {
     model.connections[1].axis[1].loss_factor = 0.1;
     model.connections[2].axis[2].friction = Friction{2.0, 5e-3, {}};
     model.connections[2].axis[0].friction = Friction{1.5, 1e-3, 5e4};
+    model.connections[1].axis[0].hysteresis = Hysteresis{2.0, 1e-4, 1.5, 0.7};
     return model;
 }
 
