@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "identify/diagnose/sliding_friction.hpp"
+#include "identify/fit/drag.hpp"
 #include "models/law_equality.hpp"
 
 namespace wems::identify {
@@ -66,7 +67,7 @@ Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int co
                 z[b] = s.decay * z[b] + s.weight[0] * q[k - 1] + s.weight[1] * run.interval * v[k - 1] +
                        s.weight[2] * q[k] + s.weight[3] * run.interval * v[k];
             }
-            force.dragStates(q[k] - q[k - 1], z.data());
+            dragAlong(force, {q[k - 1], v[k - 1], q[k], v[k], run.interval}, z.data());
         }
         result[k] = force.calcForce(q[k], v[k], run.time[k], z.data());
     }

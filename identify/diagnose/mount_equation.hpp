@@ -7,8 +7,8 @@
 ///     demand  = [ m (a_cm − g) ;  R I Rᵀ α + w × (R I Rᵀ w + R h) + c × m (a_cm − g) ]
 ///     residual = demand + Σ_i [ R_GF f_i ;  R_GM r_i × R_GF f_i ]          (the mobile part receives −f)
 ///
-/// Internal states of the laws (relaxation, structural damping, bristle) are integrated along the measured motion from
-/// rest: Maxwell branches exactly for cubic Hermite q(t), the bristle exactly in q.
+/// Internal states of the laws (relaxation, structural damping, bristle, hysteresis) are integrated along the measured
+/// motion from rest, exactly for cubic Hermite q(t).
 #pragma once
 
 #include <Eigen/Core>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/fit/drag.hpp"
 #include "models/bryant.hpp"
 #include "models/law_equality.hpp"
 #include "models/mount_forces.hpp"
@@ -10,15 +11,16 @@
 namespace wems::identify {
 namespace {
 
-/// Moves the internal states from displacement q0 to q1 within `dt`: exact for a displacement linear in time.
-void advanceStates(const AxisForce& force, double q0, double q1, double dt, std::vector<double>& z) {
+/// Moves the internal states over a step: branches as if the displacement were linear in time, what is dragged along
+/// its cubic.
+void advanceStates(const AxisForce& force, const AxisStep<double>& step, std::vector<double>& z) {
     std::size_t next = 0;
     for (const MaxwellBranch& branch : force.branches()) {
-        const double lag = branch.time_constant * (q1 - q0) / dt;
-        z[next] = q1 - lag + (z[next] - q0 + lag) * std::exp(-dt / branch.time_constant);
+        const double lag = branch.time_constant * (step.q1 - step.q0) / step.h;
+        z[next] = step.q1 - lag + (z[next] - step.q0 + lag) * std::exp(-step.h / branch.time_constant);
         ++next;
     }
-    force.dragStates(q1 - q0, z.data());
+    dragAlong(force, step, z.data());
 }
 
 void fillHistory(const AxisLaw& law, Eigen::Index column, const RelativeHistory& relative,
@@ -27,10 +29,12 @@ void fillHistory(const AxisLaw& law, Eigen::Index column, const RelativeHistory&
     std::vector<double> z(static_cast<std::size_t>(force.stateCount()), 0.0);
     for (std::size_t b = 0; b < force.branches().size(); ++b) z[b] = relative.q(0, column);
     for (Eigen::Index k = 0; k < relative.q.rows(); ++k) {
-        const double q = relative.q(k, column), t = time[static_cast<std::size_t>(k)];
-        if (k > 0 && !z.empty())
-            advanceStates(force, relative.q(k - 1, column), q, t - time[static_cast<std::size_t>(k - 1)], z);
-        result(k, column) = force.calcForce(q, relative.v(k, column), t - time.front(), z.data());
+        const double q = relative.q(k, column), v = relative.v(k, column), t = time[static_cast<std::size_t>(k)];
+        if (k > 0 && !z.empty()) {
+            const double interval = t - time[static_cast<std::size_t>(k - 1)];
+            advanceStates(force, {relative.q(k - 1, column), relative.v(k - 1, column), q, v, interval}, z);
+        }
+        result(k, column) = force.calcForce(q, v, t - time.front(), z.data());
     }
 }
 

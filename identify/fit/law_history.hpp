@@ -30,7 +30,8 @@ struct LawHistory {
     bool elastic_is_displacement = true;  ///< unit_elastic equals q and is left empty
     bool known_is_zero = true;            ///< known is zero and is left empty
 };
-/// Internal states follow the measured displacement, linear between samples, relaxed at the first one.
+/// Internal states follow the measured displacement from relaxed at the first sample on: branches as if it were linear
+/// between samples, what is dragged as identify/fit/drag.hpp says.
 LawHistory calcLawHistory(const MountModel& model, const RelativeHistory& relative, const std::vector<double>& time);
 
 /// The model's whole force of each axis (sign of q) along the measured motion, N; internal states as above.
