@@ -1,11 +1,11 @@
-#include "identify/diagnose/bracket_equation.hpp"
+#include "identify/problem/bracket_equation.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <complex>
 #include <limits>
 
-#include "identify/diagnose/mount_equation.hpp"
+#include "identify/problem/mount_equation.hpp"
 #include "models/load_gain.hpp"
 #include "models/pi.hpp"
 
