@@ -7,6 +7,7 @@
 #include "identify/cli/command.hpp"
 #include "identify/cli/diagnosis_output.hpp"
 #include "identify/cli/diagnosis_report.hpp"
+#include "identify/cli/fitted_model.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/diagnose/diagnosis.hpp"
 #include "models/command_line/usage.hpp"
@@ -79,6 +80,8 @@ void runDiagnose(DiagnoseArguments arguments) {
     StepShares shares;
     options.progress = [&](const std::string& text) { progress->step(text, shares.findBegin(text)); };
     const Diagnosis diagnosis = diagnose(identification, validation, model, options);
+    std::vector<std::string> limited;
+    if (!arguments.output.empty()) addFittedModel(model, diagnosis.extended, arguments.output, limited, outputs);
     if (!arguments.common.report_file.empty()) {
         progress->step("report");
         writeDiagnosisReport(diagnosis, model, {identification, validation},
@@ -86,7 +89,6 @@ void runDiagnose(DiagnoseArguments arguments) {
                              outputs);
     }
     progress.reset();
-    if (!arguments.output.empty()) writeMountModel(diagnosis.extended, arguments.output, outputs);
     writeJson(makeDiagnosisJson(diagnosis), arguments.common, outputs);
     if (arguments.common.printsText()) {
         for (const auto* group : {&identification, &validation})
@@ -94,6 +96,7 @@ void runDiagnose(DiagnoseArguments arguments) {
                 for (const auto& warning : recording.warnings) std::cout << recording.file << ": " << warning << "\n";
         std::cout << formatDiagnosis(diagnosis, outputStyle());
         if (!arguments.output.empty()) std::cout << "\nExtended model: " << arguments.output << "\n";
+        for (const auto& note : limited) std::cout << "note: " << note << "\n";
     }
     finishOutput(outputs);
 }

@@ -169,6 +169,19 @@ TEST_CASE("An inertia that no body has is limited in what fit writes, and said")
     CHECK(read.exit_status == 0);
 }
 
+TEST_CASE("A diagnosis writes only what is read again, an inertia that no body has limited and said") {
+    Laboratory laboratory;
+    MountModel strange = laboratory.truth;
+    strange.body.inertia(0, 0) = 1.2 * (strange.body.inertia(1, 1) + strange.body.inertia(2, 2));
+    laboratory.recording = test::record(test::simulateSweep(strange, settings), {1e-6, 0.01}, laboratory.seed);
+    const auto shown = laboratory.run({"diagnose", "--model", "model.toml", "-o", "extended.toml"});
+    CAPTURE(shown.output, shown.errors);
+    REQUIRE(shown.exit_status == 0);
+    CHECK(countOf(shown.output, "note: body.inertia is identified with the principal moments") == 1);
+    const Eigen::Matrix3d inertia = readMountModel(laboratory.folder.path() + "/extended.toml").body.inertia;
+    CHECK(inertia(0, 0) > 1.1 * laboratory.truth.body.inertia(0, 0));
+}
+
 TEST_CASE("Accelerations in g labelled m/s^2, and the reverse, are told by side and factor") {
     Laboratory laboratory;
     struct Mistake {
