@@ -7,7 +7,7 @@
 ///     force    m (p'' − g) + (m R c)''                              + Σ R_GF e_a f_ia       = 0
 ///     moment   m R c × (p'' − g) + (R I Rᵀ ω)' + (R h)'             + Σ ρ_i × R_GF e_a f_ia = 0,    ρ_i = R r_i
 ///
-///     f_ia = k q + c q' + stops + what the model knows besides (cubic term, friction).
+///     f_ia = k q + c q' + stops + what the model knows besides (cubic term, friction, hysteresis).
 ///
 /// Both rows are averaged with a test function φ (test_function.hpp). Where accelerations were measured they enter as
 /// they are; otherwise the derivatives are moved onto φ: p'' → φ''*p, (R I Rᵀ ω)' → φ''*(I θ) − φ'*(R I Rᵀ ω − I θ'),

@@ -60,6 +60,12 @@ struct Laboratory {
         }
         REQUIRE(scaled > 0);
     }
+    /// One moment beyond the sum of the others, as springs that turn with the body and are not in the model make it.
+    void recordStrangeInertia() {
+        MountModel strange = truth;
+        strange.body.inertia(0, 0) = 1.2 * (strange.body.inertia(1, 1) + strange.body.inertia(2, 2));
+        recording = test::record(test::simulateSweep(strange, settings), {1e-6, 0.01}, seed);
+    }
     void reverseValues() {
         for (Channel& channel : recording.channels) std::reverse(channel.values.begin(), channel.values.end());
     }
@@ -153,10 +159,7 @@ TEST_CASE("A recording that runs backwards under rising stamps is said to feed t
 
 TEST_CASE("An inertia that no body has is limited in what fit writes, and said") {
     Laboratory laboratory;
-    // One moment beyond the sum of the others, as springs that turn with the body and are not in the model make it.
-    MountModel strange = laboratory.truth;
-    strange.body.inertia(0, 0) = 1.2 * (strange.body.inertia(1, 1) + strange.body.inertia(2, 2));
-    laboratory.recording = test::record(test::simulateSweep(strange, settings), {1e-6, 0.01}, laboratory.seed);
+    laboratory.recordStrangeInertia();
     const auto shown = laboratory.run({"fit", "--model", "model.toml", "--free", "body.inertia", "-o", "fitted.toml"});
     CAPTURE(shown.output, shown.errors);
     REQUIRE(shown.exit_status == 0);
@@ -171,9 +174,7 @@ TEST_CASE("An inertia that no body has is limited in what fit writes, and said")
 
 TEST_CASE("A diagnosis writes only what is read again, an inertia that no body has limited and said") {
     Laboratory laboratory;
-    MountModel strange = laboratory.truth;
-    strange.body.inertia(0, 0) = 1.2 * (strange.body.inertia(1, 1) + strange.body.inertia(2, 2));
-    laboratory.recording = test::record(test::simulateSweep(strange, settings), {1e-6, 0.01}, laboratory.seed);
+    laboratory.recordStrangeInertia();
     const auto shown = laboratory.run({"diagnose", "--model", "model.toml", "-o", "extended.toml"});
     CAPTURE(shown.output, shown.errors);
     REQUIRE(shown.exit_status == 0);
