@@ -113,17 +113,13 @@ private:
 };
 
 std::vector<std::string> listNotes(const SimulateOptions& options, const MountModel& model,
-                                   const Excitation& excitation, const RunEstimate& estimate) {
+                                   const Excitation& excitation) {
     std::vector<std::string> notes;
     if (excitation.drive->hasBase() && !participatesInBaseMotion(model))
         notes.emplace_back(
             "the modes file has no base.ux, base.uy, base.uz columns: the base motion shakes "
             "the mobile part, not the bracket's own mass");
     if (std::string note = noteSampleRate(options, excitation); !note.empty()) notes.push_back(std::move(note));
-    constexpr double large_file = 1e9;  // bytes
-    constexpr double many_steps = 1e7;  // some minutes
-    if (!options.quiet && (estimate.file_bytes > large_file || estimate.steps > many_steps))
-        notes.push_back(describe(estimate));
     return notes;
 }
 
@@ -178,9 +174,11 @@ void run(const SimulateOptions& options) {
     std::optional<double> base_step;
     if (excitation.drive->hasBase()) base_step = BaseMotion::findLongestStep(*excitation.drive);
     const RunEstimate estimate = estimateRun(static_cast<double>(times.size()), static_cast<double>(channels.size()),
-                                             times.back(), settings.longest_step, base_step);
+                                             model.connections.size(), times.back(), settings.longest_step, base_step);
     checkMemory(estimate);
-    std::vector<std::string> notes = listNotes(options, model, excitation, estimate);
+    checkDisk(estimate, options.output_file);
+    if (!options.quiet && isLong(estimate)) std::cerr << "simulate: note: " << describe(estimate) << "\n";
+    std::vector<std::string> notes = listNotes(options, model, excitation);
 
     std::optional<Progress> progress(std::in_place, !options.quiet);
     settings.progress = [&](double t) {

@@ -1,7 +1,9 @@
 #include "identify/cli/campaign.hpp"
 
 #include <cmath>
+#include <limits>
 
+#include "identify/forward/simulation_diverged.hpp"
 #include "identify/forward/simulation_error.hpp"
 #include "identify/motion/motion.hpp"
 #include "identify/motion/swept_frequency.hpp"
@@ -40,8 +42,12 @@ std::vector<ValidationError> validateModel(const MountModel& model, const std::v
     std::vector<ValidationError> errors;
     for (const Recording& recording : recordings) {
         const RunMotion run = estimateMotion(recording, model);
-        const PreparedRun prepared = prepareRun(run, model, findSweptFrequency(recording).lowest);
-        errors.push_back({recording.file, calcSimulationError(model, prepared).value()});
+        try {
+            const PreparedRun prepared = prepareRun(run, model, findSweptFrequency(recording).lowest);
+            errors.push_back({recording.file, calcSimulationError(model, prepared).value(), {}});
+        } catch (const SimulationDiverged& why) {
+            errors.push_back({recording.file, std::numeric_limits<double>::infinity(), why.what()});
+        }
     }
     return errors;
 }

@@ -31,7 +31,8 @@ std::vector<std::string> listInputs(const RunSelection& selection, const CommonO
 /// Error of a model on one validation run: of its free simulation, relative to the measured relative displacement.
 struct ValidationError {
     std::string file;
-    double error = 0;
+    double error = 0;     ///< infinite without a simulation …
+    std::string problem;  ///< … and why there is none
 };
 std::vector<ValidationError> validateModel(const MountModel& model, const std::vector<Recording>& recordings);
 

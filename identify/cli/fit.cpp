@@ -106,8 +106,11 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, const 
         if (!open.rows().empty()) std::cout << "\n" << open.format(outputStyle());
         std::cout << "\n" << describeResidual(fit) << "\n";
         for (const ValidationError& run : validation)
-            std::cout << "validation: " << options.campaign->describe(run.file) << ": error "
-                      << formatNumber(100 * run.error, 3) << " % of the measured relative displacement\n";
+            std::cout << "validation: " << options.campaign->describe(run.file) << ": "
+                      << (run.problem.empty()
+                              ? "error " + formatNumber(100 * run.error, 3) + " % of the measured relative displacement"
+                              : run.problem)
+                      << "\n";
         for (const auto& note : notes) std::cout << "note: " << note << "\n";
         if (options.timing)
             for (const auto& [step, seconds] : timing)
@@ -116,7 +119,7 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, const 
     nlohmann::json result = makeFitJson(fit, notes, options.timing ? timing : Timing{});
     if (device.blocks) result["blocks"] = device.blocks->makeJson();
     for (const ValidationError& run : validation)
-        result["validation"].push_back({{"run", run.file}, {"error", run.error}});
+        result["validation"].push_back({{"run", run.file}, {"error", numberOrNull(run.error)}});
     writeJson(result, options.common, outputs);
 }
 

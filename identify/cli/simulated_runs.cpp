@@ -57,16 +57,16 @@ Simulated simulate(const JudgedRun& judged, const MountModel& before, const Moun
     result.drive = makeDriveRecording(motion);
     result.swept = findSweptFrequency(result.drive);
     const auto run = [&](const MountModel& model, Eigen::MatrixXd& q) {
-        const PreparedRun prepared = prepareRun(motion, model, result.swept.lowest);
-        // The channels themselves where they are displacements, as the error is defined.
-        result.measured = prepared.measured.from_accelerations ? prepared.measured.q
-                                                               : calcMeasuredRelative(judged.recording, motion, model);
         try {
+            const PreparedRun prepared = prepareRun(motion, model, result.swept.lowest);
+            if (prepared.measured.from_accelerations) result.measured = prepared.measured.q;
             q = simulateRun(model, prepared).q;
         } catch (const SimulationDiverged&) {
             q.resize(0, 0);
         }
     };
+    // The channels themselves where they are displacements, as the error is defined.
+    result.measured = calcMeasuredRelative(judged.recording, motion, after);
     run(before, result.before);
     run(after, result.after);
     return result;

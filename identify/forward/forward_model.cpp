@@ -30,9 +30,6 @@ bool hasForceAtRest(const MountModel& model) {
 
 }  // namespace
 
-SimulationDiverged::SimulationDiverged(double time)
-    : std::runtime_error("the simulated motion grew beyond all bounds at " + std::to_string(time) + " s") {}
-
 ForwardModel::ForwardModel(MountModel model)
     : model_(std::move(model)), forces_(model_), bracket_(model_.bracket), guide_(model_.body), kernel_(model_) {
     const Eigen::Index modes = modeCount();

@@ -28,17 +28,12 @@
 
 #include "identify/forward/drive.hpp"
 #include "identify/forward/kernel_model.hpp"
+#include "identify/forward/simulation_diverged.hpp"
 #include "models/bracket.hpp"
 #include "models/guided_motion.hpp"
 #include "models/mount_forces.hpp"
 
 namespace wems::identify {
-
-/// The motion grew beyond all bounds; the message tells when.
-class SimulationDiverged : public std::runtime_error {
-public:
-    explicit SimulationDiverged(double time);
-};
 
 /// All that moves, at one instant.
 struct ForwardState {

@@ -28,6 +28,8 @@ FastestRates calcFastestRates(const MountModel& model);
 ///     0.125 ms   9.8e-7            9.6e-6                 3.4e-5
 ///
 /// This choice gives 0.4 to 0.6 ms there. What the motion itself amplifies decides, not the contact alone.
+/// @throws SimulationDiverged where that would be more than a thousand steps: no recording tells such a law from a
+/// rigid connection, and a simulation of a second would take minutes
 int chooseStepsPerSample(const MountModel& model, double interval);
 
 }  // namespace wems::identify

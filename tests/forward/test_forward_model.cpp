@@ -162,6 +162,28 @@ TEST_CASE("the step follows the stiffest contact and the fastest damper") {
     CHECK(calcFastestRates(model).damping == Approx(1e5));
 }
 
+TEST_CASE("a law that settles within a thousandth of a sample is refused before a step, whatever the rate") {
+    MountModel model;
+    model.body.mass = 2;
+    model.body.inertia.setIdentity();
+    model.connections.resize(1);
+    model.connections[0].name = "1";
+    AxisLaw& law = model.connections[0].axis[2];
+    law.stiffness = 1;
+    const double interval = GENERATE(1e-2, 1e-3, 1e-5);
+    // At its centre of gravity the dashpot's rate is c/m; a step takes 1.5 of it.
+    const auto damp = [&](double steps) { law.damping = 1.5 * steps / interval * model.body.mass; };
+    damp(999.5);
+    CHECK(chooseStepsPerSample(model, interval) == 1000);
+    for (const double steps : {1001.0, 1e6, 1e12, 1e100}) {
+        damp(steps);
+        CHECK_THROWS_AS(chooseStepsPerSample(model, interval), SimulationDiverged);
+    }
+    law.damping = 0;
+    law.stiffness = std::pow(0.8 * 2000 / interval, 2) * model.body.mass;
+    CHECK_THROWS_WITH(chooseStepsPerSample(model, interval), Catch::Contains("too stiff to be simulated: a rate of"));
+}
+
 TEST_CASE("a run that grows beyond all bounds is reported, not returned") {
     MountModel model = makeDevice();
     model.connections[0].axis[2].cubic = -1e13;

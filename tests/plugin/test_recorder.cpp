@@ -329,3 +329,34 @@ TEST_CASE("The fastest law of a model is named with its rate against the mass th
     CHECK(fastest.rate >= 1e7 / model.body.mass);
     CHECK(fastest.rate <= 1e7 * (1 / model.body.mass + arm / (0.5 * smallest)));
 }
+
+TEST_CASE("What a run will take is known before it: samples, steps, time, file and memory") {
+    // 100 s at 1 kHz with steps of 0.5 ms; the base motion in steps of 1 ms.
+    const RunEstimate estimate = estimateRun(100001, 27, 4, 100, 5e-4, 1e-3);
+    CHECK(estimate.samples == 100001);
+    CHECK(estimate.steps == Approx(200000));
+    CHECK(estimate.seconds == Approx(200000 * 1.5e-4));  // what the shipped device takes, plugin/README.md
+    CHECK(estimate.file_bytes == Approx(100001 * 28 * 12));
+    CHECK(estimate.memory_bytes == Approx(100000 * 56));
+    CHECK_FALSE(isLong(estimate));
+    CHECK_THAT(describe(estimate), Catch::Contains("100001 samples of 27 channels") && Catch::Contains("2e+05 steps") &&
+                                       Catch::Contains("6 MB of memory") && Catch::Contains("about 30 s"));
+    // A sample ends a step.
+    CHECK(estimateRun(1e6, 27, 4, 1, 1e-3, {}).steps == 1e6);
+    CHECK(estimateRun(1e6, 27, 4, 1, 1e-3, {}).memory_bytes == 0);
+    CHECK(isLong(estimateRun(1e6, 90, 4, 1e3, 1e-3, {})));    // 1.09 GB
+    CHECK(isLong(estimateRun(1e3, 1, 1, 1e4, 0.9e-3, {})));   // 11 million steps
+    CHECK(isLong(estimateRun(1e3, 1, 60, 6e3, 1.5e-3, {})));  // 4 million steps of 1.8 ms
+}
+
+TEST_CASE("A file that its disk cannot hold is refused before the run, a device is not") {
+    RunEstimate estimate;
+    estimate.file_bytes = 1e6;
+    CHECK_NOTHROW(checkDisk(estimate, "/tmp/run.csv"));
+    estimate.file_bytes = 1e18;
+    CHECK_THROWS_WITH(checkDisk(estimate, "/tmp/run.csv"),
+                      Catch::Contains("/tmp/run.csv: would take about 1e+09 GB") && Catch::Contains("--sample-rate"));
+    CHECK_THROWS_AS(checkDisk(estimate, "run.csv"), InputError);
+    CHECK_NOTHROW(checkDisk(estimate, "/dev/null"));
+    CHECK_NOTHROW(checkDisk(estimate, ""));
+}

@@ -189,3 +189,20 @@ TEST_CASE("a random run that no memory holds is refused before the work") {
                Catch::Contains("GB of memory, this computer has") && Catch::Contains("accepted: a shorter run"));
     CHECK(folder.list().empty());
 }
+
+TEST_CASE("an endless run is announced before the work, and ended within seconds") {
+    const TemporaryDirectory folder;
+    // log2(2000/0.001) octaves at 0.01 a minute: 125 589 s.
+    const auto shown = runProgram(
+        SIMULATE_PROGRAM, {smallsat, "--sweep", "0.001:2000", "--rate", "0.01", "--force", "z=1", "--time-limit", "1"},
+        folder.path());
+    CAPTURE(shown.errors);
+    CHECK(shown.exit_status == 2);
+    const auto announced = shown.errors.find("samples of"), ended = shown.errors.find("the whole run would take");
+    REQUIRE(announced != std::string::npos);
+    REQUIRE(ended != std::string::npos);
+    CHECK(announced < ended);
+    CHECK_THAT(shown.errors, Catch::StartsWith("simulate: note: 125589"));
+    CHECK(std::count(shown.errors.begin(), shown.errors.end(), '\n') == 2);
+    CHECK(folder.list().empty());
+}
