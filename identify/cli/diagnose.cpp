@@ -75,7 +75,10 @@ void runDiagnose(DiagnoseArguments arguments) {
     const auto identification = readDeviceRecordings(arguments.runs.recordings, arguments.common.column_map, model);
     const auto validation = readDeviceRecordings(arguments.runs.validation, arguments.common.column_map, model);
     checkFitStart(model, arguments.runs.model);
-    for (const auto* group : {&identification, &validation}) checkSampleRate(*group, model);
+    for (const auto* group : {&identification, &validation}) {
+        checkSampleRate(*group, model);
+        checkDisplacements(*group, model);
+    }
     DiagnosisOptions options;
     StepShares shares;
     options.progress = [&](const std::string& text) { progress->step(text, shares.findBegin(text)); };

@@ -194,6 +194,7 @@ void runFit(FitCommandOptions options, const CLI::App& command, OutputFiles& out
     if (!isComponentTest(recordings.front()) && !asksForElement(command)) {
         checkFitStart(model, options.runs.model);
         checkSampleRate(recordings, model);
+        checkDisplacements(recordings, model);
         for (Recording& recording : recordings) checkWhole(recording, model);
         watch.lap("checks");
         DeviceRuns device = estimateRuns(options, model, recordings, *progress);

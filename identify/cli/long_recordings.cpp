@@ -8,6 +8,7 @@
 #include "identify/inspect/block_notes.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
+#include "models/recording/connection_checks.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_stream.hpp"
 
@@ -88,6 +89,7 @@ DeviceRuns chooseBlocks(const std::vector<std::string>& files, const ColumnMap* 
         Recording block;
         while (stream.next(block)) {
             checkConnections(block, model);
+            checkRigidBound(block, model);
             keepOnly(use, block);
             RunMotion motion = estimateMotion(block, model);
             for (const auto& warning : block.warnings) notes.add(file + ": " + warning);

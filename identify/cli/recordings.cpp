@@ -49,6 +49,10 @@ void checkSampleRate(const std::vector<Recording>& recordings, const MountModel&
     }
 }
 
+void checkDisplacements(const std::vector<Recording>& recordings, const MountModel& model) {
+    for (const Recording& recording : recordings) checkRigidBound(recording, model);
+}
+
 std::optional<ColumnMap> readOptionalMap(const std::string& file) {
     if (file.empty()) return std::nullopt;
     return readColumnMap(file);

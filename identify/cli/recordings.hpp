@@ -33,6 +33,9 @@ void checkFitStart(const MountModel& model, const std::string& file);
 /// @throws InputError if a recording's rate is below twice the lowest natural frequency, as with a wrong unit of time
 void checkSampleRate(const std::vector<Recording>& recordings, const MountModel& model);
 
+/// @throws InputError if displacements are none of rigid parts of the model's size: no rotation could be told from them
+void checkDisplacements(const std::vector<Recording>& recordings, const MountModel& model);
+
 /// Leaves out what `use` does not name of the channels of both parts: `all`, `displacements` or `accelerations` alone.
 void keepOnly(const std::string& use, Recording& recording);
 

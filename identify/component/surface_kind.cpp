@@ -94,7 +94,9 @@ StrokeFractions compareOnStrokes(const ComponentData& data, const Eigen::VectorX
         longest = std::max(longest, travel[i]);
         mean += data.force[i];
     }
-    if (used.empty()) return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+    // A motion that jumps from one level to the next has no travel on its strokes.
+    if (used.empty() || !(longest > 0))
+        return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
     mean /= static_cast<double>(used.size());
     std::vector<std::vector<double>> bins(2 * std::size_t{cells});
     double law = 0, spread = 0, history = 0;

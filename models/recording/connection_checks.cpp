@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "models/bryant.hpp"
+#include "models/error.hpp"
+#include "models/format_number.hpp"
 
 namespace wems {
 namespace {
@@ -178,6 +180,15 @@ void findSwapped(const Recording& recording, const MountModel& model, std::vecto
     }
 }
 
+/// Largest distance between two connections, m.
+double findWidth(const MountModel& model) {
+    double width = 0;
+    for (const Connection& one : model.connections)
+        for (const Connection& other : model.connections)
+            width = std::max(width, (one.position - other.position).norm());
+    return width;
+}
+
 }  // namespace
 
 std::vector<Finding> checkAgainstModel(const Recording& recording, const MountModel& model) {
@@ -185,6 +196,36 @@ std::vector<Finding> checkAgainstModel(const Recording& recording, const MountMo
     findMismatchedNames(recording, model, findings);
     if (recording.sampleCount() > 1) findSwapped(recording, model, findings);
     return findings;
+}
+
+void checkRigidBound(const Recording& recording, const MountModel& model) {
+    const double width = findWidth(model);
+    if (!(width > 0)) return;
+    for (const Part part : {Part::mobile, Part::fixed}) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const Channel* first = nullptr;
+            for (const Connection& connection : model.connections) {
+                const Channel* channel =
+                    recording.find(formatChannelName({part, connection.name, axis, Derivative::displacement}));
+                if (channel == nullptr) continue;
+                if (first == nullptr) first = channel;
+                double least = 0, most = 0;
+                const double rest = channel->values.front() - first->values.front();
+                for (std::size_t k = 0; k < channel->values.size(); ++k) {
+                    const double apart = channel->values[k] - first->values[k] - rest;
+                    least = std::min(least, apart);
+                    most = std::max(most, apart);
+                    if (most - least <= 2 * width) continue;
+                    const long row = recording.first_row > 0 ? recording.first_row + static_cast<long>(k) : 0;
+                    throw InputError({recording.file, row, channel->name},
+                                     "has moved " + formatNumber(most - least, 3) + " m against " + first->name +
+                                         ", points of a rigid part " + formatNumber(width, 3) + " m wide at most " +
+                                         formatNumber(2 * width, 3) + " m",
+                                     "displacements in the unit that the header names");
+                }
+            }
+        }
+    }
 }
 
 }  // namespace wems

@@ -19,4 +19,11 @@ namespace wems {
 /// that the model does not have) and swapped. None is an error here.
 std::vector<Finding> checkAgainstModel(const Recording& recording, const MountModel& model);
 
+/// Displacements that no motion of a rigid part makes: with u_i = p + (R − 1) r_i the difference of two points'
+/// displacements is (R − 1)(r_i − r_j), which between two instants changes by at most 2 |r_i − r_j|, whatever the
+/// motion and the rest.
+/// @throws InputError with the row where a channel has left the first one of its part and axis by more than twice the
+/// largest distance between two connections
+void checkRigidBound(const Recording& recording, const MountModel& model);
+
 }  // namespace wems

@@ -135,7 +135,7 @@ void limit(int resource, double value) {
 
 /// @param size of the file, bytes
 void setLimits(double size) {
-    constexpr double least_seconds = 60, bytes_a_second = 1e6;  // far below what both libraries reach
+    constexpr double least_seconds = 20, bytes_a_second = 1e6;  // far below what both libraries reach
     limit(RLIMIT_CPU, least_seconds + size / bytes_a_second);
     limit(RLIMIT_CORE, 0);
 #ifndef WEMS_SANITIZED                                        // who need most of the address space

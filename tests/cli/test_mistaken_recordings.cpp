@@ -211,6 +211,18 @@ TEST_CASE("Accelerations in g labelled m/s^2, and the reverse, are told by side 
     }
 }
 
+TEST_CASE("A side with the opposite sign is answered by every command") {
+    Laboratory laboratory;
+    const std::string part = GENERATE("mobile.", "fixed.", "mobile.1.");
+    laboratory.scale(part, -1);
+    for (const char* command : {"inspect", "rigidity", "fit", "diagnose"}) {
+        const auto shown = laboratory.run({command, "--model", "model.toml", "--json", "-"});
+        CAPTURE(part, command, shown.errors);
+        CHECK(shown.exit_status == 0);
+        CHECK(nlohmann::json::accept(shown.output));
+    }
+}
+
 TEST_CASE("All accelerations of a side in g are told from its displacements") {
     Laboratory laboratory;
     const std::string part = GENERATE("mobile", "fixed");

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -99,4 +100,34 @@ TEST_CASE("Tables of OpenSim: rows that the header declares are counted, a cut l
     folder.write("run.mot", "name run\ndatacolumns 2\ndatarows 4\nendheader\ntime\tmobile.1.z\n" + rows);
     CHECK_THROWS_WITH(wems::readRecording(folder.path() + "/run.mot"),
                       Contains("the file ends after 3 rows, its header declares 4"));
+}
+
+TEST_CASE("Displacements that no rigid part makes are refused by what would tell rotations from them") {
+    // A heave of a kilometre is a rigid motion of a part 0.2 m wide; one connection alone that far away is none.
+    std::string far = makeRun(500, 1e-3, "1000");
+    checkRefused(
+        far, makeModel("1.0e5"),
+        "run.csv:252: fixed.2.y: has moved 1e+03 m against fixed.1.y, points of a rigid part 0.2 m wide at most "
+        "0.4 m");
+}
+
+TEST_CASE("A component test whose displacement is clipped to two levels is answered or refused, and says why") {
+    // Found by a fuzzer: strokes without any travel on them.
+    for (const double level : {4e-8, 1e-6, 1e-4}) {
+        std::string text = "time [s],relative.1.z [m],force.1.z [N]\n";
+        for (int k = 0; k < 400; ++k) {
+            const double t = 2e-3 * k, q = 2e-3 * std::sin(20 * t) * t;
+            const double force = 1e5 * q + (q > 1e-3 ? 1e6 * (q - 1e-3) : 0.0) + 5 * std::sin(977.0 * k);
+            char row[80];
+            std::snprintf(row, sizeof row, "%.9g,%.9g,%.9g\n", t, std::clamp(q, -level, level), force);
+            text += row;
+        }
+        const TemporaryDirectory folder;
+        folder.write("run.csv", text);
+        const auto shown = runProgram(IDENTIFY_PROGRAM, {"surface", "run.csv", "--json", "out.json"}, folder.path());
+        CAPTURE(level, shown.output, shown.errors);
+        CHECK((shown.exit_status == 0 || shown.exit_status == 2));
+        CHECK_THAT(shown.errors, !Contains("internal"));
+        CHECK(folder.list().size() == (shown.exit_status == 0 ? 2 : 1));
+    }
 }

@@ -44,6 +44,7 @@ def commands(identify, simulate):
         "spectra": [identify, "spectra", "good.csv", *on_model, *every],
         "convert": [identify, "convert", "good.csv", "out.trc", *on_model, *every],
         "merge": [identify, "merge", "good.csv", "part.csv", "-o", "out.csv", "--common", "load.fz", *every],
+        "plan": [identify, "plan", "good.csv", *on_model, "--rate", "240", "-o", "out.toml", *every],
         "diagnose": [identify, "diagnose", "good.csv", "good2.csv", *on_model, "-o", "out.toml", *every],
     }
 

@@ -33,7 +33,7 @@ def run(arguments, folder):
     limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (2 * LIMIT, 2 * LIMIT + 5))  # two threads; SIGXCPU first
     try:
         done = subprocess.run(arguments, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.PIPE, timeout=10 * LIMIT, preexec_fn=limit)
+                              stderr=subprocess.PIPE, timeout=60 * LIMIT, preexec_fn=limit)  # waits for nothing, on a loaded machine
         status, errors = done.returncode, done.stderr.decode("utf-8", "replace")
     except subprocess.TimeoutExpired:
         status, errors = None, ""
@@ -59,6 +59,7 @@ def recording_commands(identify, simulate):
         "single-axis": [identify, "single-axis", "odd.csv", *on_model, "-o", "out.toml", *all_outputs],
         "beam-tip": [identify, "beam-tip", "odd.csv", *all_outputs],
         "replay": [simulate, "model.toml", "--from-csv", "odd.csv", "-q", "-o", "out.csv", *all_outputs],
+        "plan": [identify, "plan", "odd.csv", *on_model, "--rate", "240", "-o", "out.toml", *all_outputs],
         "diagnose": [identify, "diagnose", "odd.csv", *on_model, "-o", "out.toml", *all_outputs],
     }
 

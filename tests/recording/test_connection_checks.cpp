@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "models/error.hpp"
 #include "models/recording/connection_checks.hpp"
 
 using namespace wems;
@@ -143,4 +144,52 @@ TEST_CASE("Connections that only one of recording and model has") {
         CHECK(findings[0].kind == FindingKind::missing_connection);
         CHECK(findings[0].channel == "mobile.5");
     }
+}
+
+TEST_CASE("Whatever rotation a rigid part makes, its displacements are within the bound") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<> any(-1, 1);
+    const auto draw = [&] { return Eigen::Vector3d(any(random), any(random), any(random)); };
+    for (int device = 0; device < 50; ++device) {
+        const MountModel model = makeMount({draw(), draw(), draw(), draw()});
+        Recording recording;
+        recording.first_row = 2;
+        for (const auto& connection : model.connections)
+            for (int axis = 0; axis < 3; ++axis)
+                recording.channels.push_back(
+                    {formatChannelName({Part::mobile, connection.name, axis, Derivative::displacement}), "m", {}, 0});
+        for (int k = 0; k < 100; ++k) {
+            recording.time.push_back(k);
+            const Eigen::Matrix3d R = Eigen::AngleAxisd(4 * any(random), draw().normalized()).toRotationMatrix();
+            const Eigen::Vector3d p = 1e3 * draw();
+            for (std::size_t i = 0; i < model.connections.size(); ++i) {
+                const Eigen::Vector3d r = model.connections[i].position, u = p + R * r - r;
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    recording.channels[3 * i + axis].values.push_back(u[static_cast<Eigen::Index>(axis)]);
+            }
+        }
+        CHECK_NOTHROW(checkRigidBound(recording, model));
+        double width = 0;
+        for (const auto& one : model.connections)
+            for (const auto& other : model.connections) width = std::max(width, (one.position - other.position).norm());
+        values(recording, "mobile.3.y")[70] = values(recording, "mobile.1.y")[70] + 4.1 * width;
+        values(recording, "mobile.3.y")[71] = values(recording, "mobile.1.y")[71] - 4.1 * width;
+        try {
+            checkRigidBound(recording, model);
+            FAIL("8 widths are no rigid motion");
+        } catch (const InputError& error) {
+            CHECK(error.location().key == "mobile.3.y");
+            CHECK((error.location().line == 72 || error.location().line == 73));
+        }
+    }
+}
+
+TEST_CASE("Connections at one place bound nothing") {
+    const MountModel model = makeMount({{0.1, 0, 0}, {0.1, 0, 0}});
+    Recording recording;
+    recording.time = {0, 1};
+    recording.channels = {{"mobile.1.z", "m", {0, 0}, 0}, {"mobile.2.z", "m", {0, 1e6}, 0}};
+    CHECK_NOTHROW(checkRigidBound(recording, model));
 }
