@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <iostream>
+#include <limits>
+
+#include "identify/fit/law_verdict.hpp"
 
 namespace wems::identify::cli {
 namespace {
@@ -30,6 +33,8 @@ Table tabulateParameters(const std::vector<ComponentParameter>& parameters) {
 }
 
 void reportComponentFit(const ComponentFit& fit, const CommonOptions& options, OutputFiles& outputs) {
+    // The noise of a force cell is not known: what is left counts whole.
+    const LawVerdict verdict = judgeLaw(fit.residual_fraction, std::numeric_limits<double>::infinity());
     nlohmann::json unknown = nlohmann::json::array();
     for (const auto& u : fit.not_identifiable)
         unknown.push_back({{"names", {u.name}}, {"known_combination", ""}, {"separate_by", u.separate_by}});
@@ -37,6 +42,7 @@ void reportComponentFit(const ComponentFit& fit, const CommonOptions& options, O
         {"parameters", formatParameters(fit.parameters)},
         {"not_identifiable", unknown},
         {"residual", {{"fraction", fit.residual_fraction}, {"rms", fit.residual_rms}, {"unit", "N"}}},
+        {"verdict", formatLawVerdict(verdict)},
         {"effective_samples", fit.effective_samples},
         {"notes", fit.notes}};
     if (options.printsText()) {
@@ -45,7 +51,8 @@ void reportComponentFit(const ComponentFit& fit, const CommonOptions& options, O
             std::cout << "not identifiable: " << u.name << "; " << u.separate_by << " would tell\n";
         std::cout << "residual: " << formatNumber(100 * fit.residual_fraction, 3) << " % of the force, "
                   << formatNumber(fit.residual_rms, 3) << " N RMS; " << formatNumber(fit.effective_samples, 3)
-                  << " independent samples\n";
+                  << " independent samples\n"
+                  << describeLawVerdict(verdict) << "\n";
         for (const auto& note : fit.notes) std::cout << "note: " << note << "\n";
     }
     writeJson(result, options, outputs);

@@ -1,6 +1,7 @@
 #include "identify/cli/fit_output.hpp"
 
 #include "identify/cli/command.hpp"
+#include "identify/fit/law_verdict.hpp"
 #include "models/format_number.hpp"
 
 namespace wems::identify::cli {
@@ -30,6 +31,7 @@ nlohmann::json makeFitJson(const FitResult& fit, const std::vector<std::string>&
         {"parameters", parameters},
         {"not_identifiable", unknown},
         {"residual", {{"fraction", fit.residual_fraction}, {"over_noise", fit.residual_over_noise}}},
+        {"verdict", formatLawVerdict(judgeLaw(fit.residual_fraction, fit.residual_over_noise))},
         {"notes", notes}};
     for (const auto& [step, seconds] : timing) result["timing"][step] = seconds;
     return result;
@@ -59,7 +61,9 @@ Table makeOpenTable(const FitResult& fit) {
 }
 
 std::string describeResidual(const FitResult& fit) {
-    return "unexplained: " + formatNumber(100 * fit.residual_fraction, 3) + " % of the wrench that the motion demands";
+    return "unexplained: " + formatNumber(100 * fit.residual_fraction, 3) +
+           " % of the wrench that the motion demands; " +
+           describeLawVerdict(judgeLaw(fit.residual_fraction, fit.residual_over_noise));
 }
 
 }  // namespace wems::identify::cli

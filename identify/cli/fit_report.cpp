@@ -50,6 +50,22 @@ void addDirections(HtmlReport& page, const std::vector<ParameterDirection>& dire
                   rows);
 }
 
+/// The mobile part's acceleration as channels, which tell the excited band of a run that is not kept whole.
+Recording recordAcceleration(const RunMotion& run) {
+    Recording recording;
+    recording.file = run.file;
+    recording.time = run.time;
+    for (int a = 0; a < 3; ++a) {
+        Channel channel;
+        channel.name = std::string("base.a") + "xyz"[a];
+        channel.values.assign(static_cast<std::size_t>(run.mobile.a.cols()), 0.0);
+        for (std::size_t k = 0; k < channel.values.size(); ++k)
+            channel.values[k] = run.mobile.a(a, static_cast<Eigen::Index>(k));
+        recording.channels.push_back(std::move(channel));
+    }
+    return recording;
+}
+
 /// The first runs, their slow motion as the fitted model has it.
 void addCurves(HtmlReport& page, const ReportedFit& reported) {
     std::vector<RunMotion> motions;
@@ -58,9 +74,9 @@ void addCurves(HtmlReport& page, const ReportedFit& reported) {
     for (std::size_t r = 0; r < std::min(kMostDrawn, reported.runs.size()); ++r) {
         motions.push_back(reported.runs[r]);
         restoreSlowMotion(motions.back(), reported.fit.model);
-        moved.push_back({&motions.back(), reported.recordings.empty()
-                                              ? Eigen::VectorXd()
-                                              : findSweptFrequency(reported.recordings[r]).hertz});
+        moved.push_back(
+            {&motions.back(), findSweptFrequency(reported.recordings.empty() ? recordAcceleration(reported.runs[r])
+                                                                             : reported.recordings[r])});
     }
     addRestoringForces(page, moved, reported.start, reported.fit.model, "as fitted", std::nullopt);
 }

@@ -1,6 +1,8 @@
 // identify surface: the restoring force surface of a single connection.
+#include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -10,6 +12,7 @@
 #include "identify/component/friction_model.hpp"
 #include "identify/component/surface_grid.hpp"
 #include "identify/component/surface_kind.hpp"
+#include "identify/fit/law_verdict.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/progress.hpp"
@@ -52,6 +55,13 @@ nlohmann::json formatGrid(const SurfaceGrid& grid) {
             {"residual_fraction", grid.fraction}};
 }
 
+/// What the best of the laws that were tried leaves of the force.
+double calcLeft(const SurfaceKind& kind) {
+    double best = std::isfinite(kind.history_fraction) ? kind.history_fraction : 1.0;
+    for (const auto& candidate : kind.candidates) best = std::min(best, candidate.fraction);
+    return best;
+}
+
 nlohmann::json formatResult(const ComponentData& data, const SurfaceKind& kind) {
     auto candidates = nlohmann::json::array();
     for (const auto& c : kind.candidates)
@@ -60,6 +70,7 @@ nlohmann::json formatResult(const ComponentData& data, const SurfaceKind& kind) 
                               {"criterion", c.information},
                               {"parameters", c.parameters}});
     const bool recorded = data.source == ForceSource::recorded;
+    const double left = calcLeft(kind);
     return {{"connection", data.connection},
             {"axis", std::string(1, "xyz"[data.axis])},
             {"units", {{"displacement", "m"}, {"velocity", "m/s"}, {"force", "N"}, {"time", "s"}}},
@@ -70,6 +81,8 @@ nlohmann::json formatResult(const ComponentData& data, const SurfaceKind& kind) 
             {"kind", kind.name},
             {"statement", kind.statement},
             {"parameters", formatParameters(kind.parameters)},
+            {"residual", {{"fraction", left}}},
+            {"verdict", formatLawVerdict(judgeLaw(left, std::numeric_limits<double>::infinity()))},
             {"candidates", candidates},
             {"effective_samples", kind.effective_samples},
             {"history_residual_fraction",
@@ -97,6 +110,7 @@ void printResult(const ComponentData& data, const SurfaceKind& kind) {
     if (std::isfinite(kind.history_fraction))
         laws.addRow({"travel since the reversal", formatNumber(100 * kind.history_fraction, 3) + " %", "-"});
     std::cout << laws.format(outputStyle());
+    std::cout << describeLawVerdict(judgeLaw(calcLeft(kind), std::numeric_limits<double>::infinity())) << "\n";
     for (const auto& note : data.notes) std::cout << "note: " << note << "\n";
     if (data.qualitative)
         std::cout << "note: other connections act on the same body, so that mass times acceleration is not this "
