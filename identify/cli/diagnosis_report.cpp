@@ -32,10 +32,15 @@ std::string describeErrors(const Diagnosis& diagnosis) {
 
 void addErrors(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addHeading("Free simulation against the recordings");
-    page.addTable({"recordings", "error before", "error after", "noise alone"}, tabulateErrors(diagnosis));
+    std::vector<std::string> columns{"recordings", "error before", "error after", "noise alone"};
+    if (usesTolerances(diagnosis)) columns.insert(columns.begin() + 2, "adjusted");
+    page.addTable(columns, tabulateErrors(diagnosis));
     page.addText("Equations of motion along the measured motion of the validation recordings: misfit " +
                  formatNumber(diagnosis.misfit_before, 4) + " before, " + formatNumber(diagnosis.misfit_after, 4) +
                  " after; noise alone leaves 1.");
+    if (diagnosis.prediction_band)
+        page.addText("Noise and what is not known of the numbers allow the validation recordings an error of " +
+                     formatPercent(*diagnosis.prediction_band) + " (95 %).");
     if (!diagnosis.validated)
         page.addText(
             "There were no validation recordings: the identification recordings judged themselves, which flatters "
@@ -67,7 +72,29 @@ void addCauses(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addTable({"named", "rival", "where", "the rival's parameters", "what would separate them"}, ties);
 }
 
+void addAdjustments(const Diagnosis& diagnosis, HtmlReport& page) {
+    if (diagnosis.adjustments.empty()) return;
+    page.addHeading("Adjustments: numbers that moved within their tolerance");
+    page.addTable({"number", "believed", "±", "value", "95 % interval", "unit"}, tabulateAdjustments(diagnosis));
+}
+
+void addDecisions(const Diagnosis& diagnosis, HtmlReport& page) {
+    if (diagnosis.decisions.empty()) return;
+    page.addHeading("Why: the rounds of the selection with tolerances");
+    page.addText(
+        "Exact numbers with a cause or two left a part of the error, so that every number was allowed its tolerance. "
+        "In each round every cause of the catalogue is weighed at every place, all tolerances adjusted along with it. "
+        "Log "
+        "odds are those of the causes taken so far with the candidate, over those without.");
+    for (std::size_t r = 0; r < diagnosis.decisions.size(); ++r) {
+        page.addText("Round " + std::to_string(r + 1) + ": " + describeDecision(diagnosis.decisions[r]) + ".");
+        const auto rows = tabulateCandidates(diagnosis.decisions[r]);
+        if (!rows.empty()) page.addTable({"candidate", "where", "log odds"}, rows);
+    }
+}
+
 void addRounds(const Diagnosis& diagnosis, HtmlReport& page) {
+    if (diagnosis.rounds.empty()) return;
     page.addHeading("Why: the rounds of the selection");
     page.addText(
         "In each round the candidates that promise most are fitted to the identification recordings, together with "
@@ -118,7 +145,7 @@ void addCurves(const Diagnosis& diagnosis, const MountModel& model, const Diagno
         page.addText("Of " + std::to_string(judges.size()) + " runs that judged, the first " +
                      std::to_string(judged.size()) + " are drawn.");
     std::vector<MovedRun> moved;
-    for (const JudgedRun& run : all) moved.push_back({&run.motion, findSweptFrequency(run.recording).hertz});
+    for (const JudgedRun& run : all) moved.push_back({&run.motion, findSweptFrequency(run.recording)});
     addRestoringForces(page, moved, model, diagnosis.extended, "as extended", named);
     const GroupError& noise = diagnosis.noise_floor;
     addSimulatedRuns(page, judged, model, diagnosis.extended,
@@ -139,6 +166,8 @@ void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, c
     addMotion(page, makeDeviceScene(runs.identification, diagnosis.extended));
     addCurves(diagnosis, model, runs, page);
     addSpectrum(diagnosis, page);
+    addAdjustments(diagnosis, page);
+    addDecisions(diagnosis, page);
     addRounds(diagnosis, page);
     page.addHeading("How the motion was obtained");
     page.addList(diagnosis.notes);

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "identify/cli/surface_sheets.hpp"
-#include "identify/diagnose/mount_equation.hpp"
-#include "identify/diagnose/whitening.hpp"
+#include "identify/problem/mount_equation.hpp"
+#include "identify/problem/rigid_matrices.hpp"
 
 namespace wems::identify::cli {
 namespace {
@@ -53,7 +53,8 @@ void calcForces(const OpenLoopRun& run, const MountModel& model, const Eigen::Ma
 }
 
 Histories calcHistories(const MovedRun& run, const MountModel& before, const MountModel& after) {
-    const OpenLoopRun open = makeOpenLoopRun(*run.motion, after, run.swept);
+    const OpenLoopRun open =
+        makeOpenLoopRun(*run.motion, after, {run.swept.lowest, run.swept.highest}, run.swept.hertz);
     Histories result;
     result.interval = open.interval;
     result.of[displacement] = open.q;

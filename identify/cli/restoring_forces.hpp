@@ -17,14 +17,15 @@
 #include <vector>
 
 #include "identify/cli/judged_runs.hpp"
+#include "identify/motion/swept_frequency.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
 
-/// A measured motion, its slow part included, and the swept frequency (Hz at each sample; empty if not known).
+/// A measured motion, its slow part included, and what drove it.
 struct MovedRun {
     const RunMotion* motion;
-    Eigen::VectorXd swept;
+    SweptFrequency swept;
 };
 
 /// Curves of all axes, the named one's loops at its largest motion and its surface over displacement and velocity.

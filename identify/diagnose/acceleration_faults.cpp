@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "identify/diagnose/fault_limits.hpp"
-#include "identify/diagnose/smoothing_kernel.hpp"
+#include "identify/problem/smoothing_kernel.hpp"
 #include "models/axis_names.hpp"
 #include "models/bryant.hpp"
 

@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "identify/diagnose/bracket_equation.hpp"
-#include "identify/diagnose/open_loop_run.hpp"
+#include "identify/problem/bracket_equation.hpp"
+#include "identify/problem/open_loop_run.hpp"
 
 namespace wems::identify {
 

@@ -6,9 +6,9 @@
 
 #include "identify/diagnose/channel_correction.hpp"
 #include "identify/diagnose/fault_limits.hpp"
-#include "identify/diagnose/smoothing_kernel.hpp"
 #include "identify/motion/motion.hpp"
 #include "identify/motion/rigid_fit.hpp"
+#include "identify/problem/smoothing_kernel.hpp"
 
 namespace wems::identify {
 namespace {

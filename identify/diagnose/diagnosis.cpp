@@ -8,6 +8,7 @@
 #include "identify/diagnose/judge.hpp"
 #include "identify/diagnose/leftover.hpp"
 #include "identify/diagnose/pass.hpp"
+#include "identify/updating/update.hpp"
 #include "models/error.hpp"
 
 namespace wems::identify {
@@ -52,11 +53,9 @@ bool moveSideFaults(const Selection& selection, std::vector<ChannelFault>& fault
     return moved;
 }
 
-}  // namespace
-
-Diagnosis diagnose(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
-                   const MountModel& model, const DiagnosisOptions& options) {
-    if (identification.empty()) throw InputError({}, "no recording to diagnose", "at least one CSV file");
+/// With every number of the model and of the sensors exactly known but for the causes.
+Diagnosis diagnoseExact(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
+                        const MountModel& model, const DiagnosisOptions& options) {
     const auto tell = [&](const std::string& text) {
         if (options.progress) options.progress(text);
     };
@@ -92,7 +91,43 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
     result.misfit_before = pass->selection.validation_before;
     result.misfit_after = pass->selection.validation_after;
     result.rounds = pass->selection.rounds;
+    result.error_adjusted = result.error_before;
     return result;
+}
+
+/// Whether a model states that all of its numbers, and those of its sensors, are exactly known.
+bool isExactlyKnown(const MountModel& model) {
+    for (std::size_t i = 0; i < kToleranceKeys.size(); ++i)
+        if (model.tolerances.find(static_cast<ToleranceOf>(i)) != 0.0) return false;
+    return true;
+}
+
+/// With every number anywhere within its tolerance. Nothing where the recordings cannot be judged so.
+std::optional<Diagnosis> diagnoseWithTolerances(const std::vector<Recording>& identification,
+                                                const std::vector<Recording>& validation, const MountModel& model,
+                                                const DiagnosisOptions& options) {
+    // The equations of this step are those of a free body.
+    const auto& free = model.body.free;
+    if (!std::all_of(free.begin(), free.end(), [](bool own) { return own; })) return std::nullopt;
+    if (isExactlyKnown(model)) return std::nullopt;
+    try {
+        return updating::updateModel(identification, validation, model, options);
+    } catch (const InputError&) {  // said by the step with exact numbers too, in the terms of its own needs
+        return std::nullopt;
+    }
+}
+
+}  // namespace
+
+Diagnosis diagnose(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
+                   const MountModel& model, const DiagnosisOptions& options) {
+    if (identification.empty()) throw InputError({}, "no recording to diagnose", "at least one CSV file");
+    // The simplest world first: exact numbers and a cause or two. Where that leaves something, nothing is exact.
+    Diagnosis exact = diagnoseExact(identification, validation, model, options);
+    if (exact.verdict != Diagnosis::Verdict::unexplained) return exact;
+    auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
+    if (!adjusted || adjusted->verdict == Diagnosis::Verdict::unexplained) return exact;
+    return std::move(*adjusted);
 }
 
 std::string formatVerdict(Diagnosis::Verdict verdict) {

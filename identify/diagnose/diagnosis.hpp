@@ -8,6 +8,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct Cause {
     std::string cause;
     double probability = 0;
     double gain_db = 0;  ///< validation error without it (others refitted) over that with all, dB
+    double share = 0;    ///< of the squared validation error that adjustments and causes take away together
     std::vector<std::string> where;
     std::vector<CauseParameter> parameters;
     std::vector<Rival> rivals;
@@ -43,6 +45,29 @@ struct Cause {
 
 struct GroupError {
     double identification = 0, validation = 0;
+};
+
+/// A number that moved within its tolerance.
+struct Adjustment {
+    CauseParameter parameter;
+    double believed = 0, tolerance = 0;
+};
+
+/// One candidate of a round with its figures.
+struct RankedCause {
+    std::string cause;
+    std::vector<std::string> where;
+    double log_odds = 0;  ///< of the set with it over the set that the round began with
+};
+
+/// What a round tried and did.
+struct Decision {
+    std::string action;                   ///< one sentence
+    std::vector<std::string> causes;      ///< those taken after the round, `clearance 4.z.+`
+    double log_evidence = 0;              ///< of that set over no cause, at the round's linearisation
+    std::vector<double> misfit;           ///< chi-squared per value: mount, bracket, mobile and fixed sensors
+    double error = 0;                     ///< of the prediction after the round
+    std::vector<RankedCause> candidates;  ///< the best few
 };
 
 /// Misfit of the validation runs' equations per value, in bands of 1 Hz; 1 for a perfect model.
@@ -54,15 +79,19 @@ struct Diagnosis {
     enum class Verdict { explained, nothing_missing, unexplained };
     Verdict verdict = Verdict::nothing_missing;
     GroupError error_before, error_after, noise_floor;
+    GroupError error_adjusted;                   ///< with the adjustments alone
+    std::optional<double> prediction_band;       ///< validation error that noise and the posterior allow, 95 %
     std::vector<Cause> causes;                   ///< by falling gain
+    std::vector<Adjustment> adjustments;         ///< of which the recordings say something
     std::vector<std::string> unexplained_where;  ///< connection.axis, `bracket`, then `free` or `contact`
     MountModel extended;
     bool validated = false;    ///< false: the identification runs had to judge themselves
     double misfit_before = 0;  ///< open-loop misfit of the validation runs per value; 1 for a perfect model
     double misfit_after = 0;
     MisfitSpectrum spectrum;
-    std::vector<Round> rounds;       ///< the selection's own record
-    std::vector<std::string> notes;  ///< how the motion was derived, what was found odd
+    std::vector<Round> rounds;        ///< the record of the search among exact numbers
+    std::vector<Decision> decisions;  ///< and of that with tolerances
+    std::vector<std::string> notes;   ///< how the motion was derived, what was found odd
 };
 
 struct DiagnosisOptions {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "identify/diagnose/aliasing.hpp"
-#include "identify/diagnose/fourier.hpp"
 #include "identify/diagnose/whitening.hpp"
 #include "identify/forward/forward_model.hpp"
 #include "identify/forward/initial_state.hpp"
+#include "identify/problem/aliasing.hpp"
+#include "identify/problem/fourier.hpp"
 #include "models/axis_names.hpp"
 #include "models/bryant.hpp"
 #include "models/pi.hpp"
@@ -16,7 +16,6 @@
 namespace wems::identify {
 namespace {
 
-constexpr double kPerturbation = 1e-5;
 // Steps for each that the forward model takes for speed. A kink inside a step costs its order, and contact amplifies
 // it: 3.6 % of a sensitive run became 0.06 %, where noise alone makes 0.4 %.
 constexpr int kFiner = 2;
@@ -51,11 +50,13 @@ double lowestCompared(const RunMotion& run) {
 
 // White acceleration noise integrated twice above a frequency f leaves
 // 2 h σ² / (3 (2π)⁴ f³), of which the rigid fit of n triads lets 2 / n through, and all of what contact folds.
-double calcNoiseVariance(const RunMotion& run, const MountModel& model) {
+double calcNoiseVariance(const FreeRun& free, const MountModel& model) {
+    const RunMotion& run = *free.motion;
     const auto connections = model.connections.size();
     const double twice_integrated = 2 * run.interval / (3 * std::pow(kTwoPi, 4) * std::pow(run.trusted_from, 3));
-    const auto square = [&](const PartMotion& part) {
+    const auto square = [&](const PartMotion& part, std::size_t side) {
         const bool integrated = !part.displacement_measured && part.acceleration_measured;
+        if (!integrated && free.displacement_noise) return (*free.displacement_noise)[side];
         const double noise = integrated ? part.acceleration_noise : part.displacement_noise;
         if (!std::isfinite(noise)) return 0.0;
         if (!integrated) return noise * noise;
@@ -71,7 +72,7 @@ double calcNoiseVariance(const RunMotion& run, const MountModel& model) {
                 relative << d, -d;
                 folded += relative.dot(aliasing * relative) / static_cast<double>(3 * connections) * twice_integrated;
             }
-    return square(run.mobile) + square(run.fixed) + folded;
+    return square(run.mobile, 0) + square(run.fixed, 1) + folded;
 }
 
 Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model) {
@@ -114,7 +115,7 @@ FreeError calcFreeError(const std::vector<FreeRun>& runs, const MountModel& mode
     double difference = 0, signal = 0, noise = 0;
     for (const auto& run : runs) {
         signal += highPass(run.measured, lowestCompared(*run.motion), run.motion->interval).squaredNorm();
-        noise += calcNoiseVariance(*run.motion, model) * static_cast<double>(run.measured.size());
+        noise += calcNoiseVariance(run, model) * static_cast<double>(run.measured.size());
         try {
             difference += calcFreeResidual(run, model).squaredNorm();
         } catch (const SimulationDiverged&) {
@@ -124,22 +125,6 @@ FreeError calcFreeError(const std::vector<FreeRun>& runs, const MountModel& mode
     result.error = result.diverged ? std::numeric_limits<double>::infinity() : std::sqrt(difference / signal);
     result.noise_floor = std::sqrt(noise / signal);
     return result;
-}
-
-double calcAmplification(const std::vector<FreeRun>& runs, const MountModel& model) {
-    MountModel heavier = model;
-    heavier.body.mass *= 1 + kPerturbation;
-    double difference = 0, signal = 0;
-    for (const auto& run : runs) {
-        try {
-            const Eigen::MatrixXd one = simulate(*run.motion, model), other = simulate(*run.motion, heavier);
-            difference += (one - other).squaredNorm();
-            signal += one.squaredNorm();
-        } catch (const SimulationDiverged&) {
-            return std::numeric_limits<double>::infinity();
-        }
-    }
-    return std::sqrt(difference / signal) / kPerturbation;
 }
 
 }  // namespace wems::identify

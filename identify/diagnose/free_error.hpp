@@ -8,6 +8,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "identify/motion/motion.hpp"
@@ -30,15 +32,14 @@ struct FreeError {
 struct FreeRun {
     const RunMotion* motion;
     Eigen::MatrixXd measured;
+    /// m², of the displacement channels of the mobile and the fixed part, where their noise is known better than by the
+    /// scatter of the rigid fits.
+    std::optional<std::array<double, 2>> displacement_noise = {};
 };
 /// Simulated minus measured, as the error compares them. @throws SimulationDiverged
 Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model);
 /// What the recording's noise gives one relative displacement, m².
-double calcNoiseVariance(const RunMotion& run, const MountModel& model);
+double calcNoiseVariance(const FreeRun& run, const MountModel& model);
 FreeError calcFreeError(const std::vector<FreeRun>& runs, const MountModel& model);
-
-/// How much more the response of the runs changes than a parameter: relative change of the relative displacement over
-/// a relative change of the mass of 1e-5. Beyond about 100 no model predicts the run sample by sample.
-double calcAmplification(const std::vector<FreeRun>& runs, const MountModel& model);
 
 }  // namespace wems::identify

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <complex>
 
-#include "identify/diagnose/mount_equation.hpp"
+#include "identify/problem/mount_equation.hpp"
 #include "models/law_equality.hpp"
 
 namespace wems::identify {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <complex>
 
-#include "identify/diagnose/mount_equation.hpp"
+#include "identify/problem/mount_equation.hpp"
 #include "models/axis_names.hpp"
 
 namespace wems::identify {

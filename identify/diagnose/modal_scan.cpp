@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "identify/diagnose/bracket_equation.hpp"
+#include "identify/problem/bracket_equation.hpp"
 #include "models/pi.hpp"
 
 namespace wems::identify {

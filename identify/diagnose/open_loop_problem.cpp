@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "identify/diagnose/calibration.hpp"
-#include "identify/diagnose/mount_equation.hpp"
-#include "identify/diagnose/slow_balance.hpp"
 #include "identify/motion/parallel.hpp"
+#include "identify/problem/mount_equation.hpp"
+#include "identify/problem/slow_balance.hpp"
 
 namespace wems::identify {
 namespace {

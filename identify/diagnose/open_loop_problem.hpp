@@ -20,9 +20,9 @@
 #include <memory>
 #include <vector>
 
-#include "identify/diagnose/bracket_equation.hpp"
-#include "identify/diagnose/open_loop_run.hpp"
 #include "identify/diagnose/whitening.hpp"
+#include "identify/problem/bracket_equation.hpp"
+#include "identify/problem/open_loop_run.hpp"
 
 namespace wems::identify {
 

@@ -10,6 +10,9 @@
 namespace wems::identify {
 namespace {
 
+// Hz: the band of the tests of the source paper, to which this engine's filters and tapers are set.
+constexpr ExcitedBand kBand{5, 50};
+
 /// Accelerations next to complete displacements serve the consistency of channels; the equations take one kind, so
 /// that no weighting between two kinds can colour their residual.
 Recording withoutAccelerations(const Recording& recording, const MountModel& model) {
@@ -47,7 +50,8 @@ RunGroup::RunGroup(const std::vector<Recording>& recordings, const MountModel& m
 
 OpenLoopProblem RunGroup::makeProblem(const MountModel& model) const {
     std::vector<OpenLoopRun> runs;
-    for (std::size_t i = 0; i < motions.size(); ++i) runs.push_back(makeOpenLoopRun(motions[i], model, swept[i]));
+    for (std::size_t i = 0; i < motions.size(); ++i)
+        runs.push_back(makeOpenLoopRun(motions[i], model, kBand, swept[i]));
     return {std::move(runs), model, kGainScatter};
 }
 

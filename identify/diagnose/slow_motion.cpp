@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-#include "identify/diagnose/fourier.hpp"
 #include "identify/diagnose/whitening.hpp"
+#include "identify/problem/fourier.hpp"
 #include "models/axis_law.hpp"
 #include "models/bryant.hpp"
 

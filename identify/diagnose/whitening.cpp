@@ -7,15 +7,14 @@
 #include <cmath>
 #include <complex>
 
-#include "identify/diagnose/bracket_equation.hpp"
-#include "identify/diagnose/mount_equation.hpp"
+#include "identify/problem/bracket_equation.hpp"
+#include "identify/problem/mount_equation.hpp"
 #include "models/bryant.hpp"
 #include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
 
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Matrix6c = Eigen::Matrix<std::complex<double>, 6, 6>;
 using Matrix6x12c = Eigen::Matrix<std::complex<double>, 6, 12>;
 
@@ -78,30 +77,6 @@ Matrix6c invertFactor(const Matrix6c& covariance) {
 }
 
 }  // namespace
-
-Eigen::Matrix<double, 6, 1> calcAxisDirection(const MountModel& model, int connection, int axis) {
-    Eigen::Matrix<double, 6, 1> d;
-    const Eigen::Vector3d e = Eigen::Vector3d::Unit(axis);
-    d << e, model.connections[static_cast<std::size_t>(connection)].position.cross(e);
-    return d;
-}
-
-Matrix6 calcMassMatrix(const MobileBody& body) {
-    const Eigen::Matrix3d C = crossMatrix(body.center_of_gravity);
-    Matrix6 M;
-    M << body.mass * Eigen::Matrix3d::Identity(), -body.mass * C, body.mass * C, body.inertia - body.mass * C * C;
-    return M;
-}
-
-Matrix6 calcStiffnessMatrix(const MountModel& model) {
-    Matrix6 K = Matrix6::Zero();
-    for (std::size_t i = 0; i < model.connections.size(); ++i)
-        for (int a = 0; a < 3; ++a) {
-            const auto d = calcAxisDirection(model, static_cast<int>(i), a);
-            K += model.connections[i].axis[static_cast<std::size_t>(a)].stiffness * d * d.transpose();
-        }
-    return K;
-}
 
 Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_bracket)
     : run_(&run), with_bracket_(with_bracket), fourier_(run.sampleCount()) {

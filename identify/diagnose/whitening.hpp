@@ -17,18 +17,13 @@
 #include <memory>
 #include <vector>
 
-#include "identify/diagnose/fourier.hpp"
-#include "identify/diagnose/open_loop_run.hpp"
-#include "identify/diagnose/slow_balance.hpp"
+#include "identify/problem/fourier.hpp"
+#include "identify/problem/open_loop_run.hpp"
+#include "identify/problem/rigid_matrices.hpp"
+#include "identify/problem/slow_balance.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {
-
-/// Mass matrix of the mobile part about M's origin (translation above rotation), and the linear elastic stiffness.
-Eigen::Matrix<double, 6, 6> calcMassMatrix(const MobileBody& body);
-Eigen::Matrix<double, 6, 6> calcStiffnessMatrix(const MountModel& model);
-/// (displacement of an axis) = directionᵀ (translation, rotation): (e_a ; r_i × e_a).
-Eigen::Matrix<double, 6, 1> calcAxisDirection(const MountModel& model, int connection, int axis);
 
 enum class Equation { mount, bracket };
 

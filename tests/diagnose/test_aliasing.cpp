@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "identify/diagnose/aliasing.hpp"
+#include "identify/problem/aliasing.hpp"
 #include "models/pi.hpp"
 
 using namespace wems::identify;

@@ -83,7 +83,7 @@ TEST_CASE("The bias of a stop's dissipation is found from the recording alone", 
         auto plan = makePlan(8, 2, 1e-6);
         plan.rate = 500;
         const auto motion = estimateMotion(recordRun(truth, plan, random), truth);
-        const OpenLoopProblem problem({makeOpenLoopRun(motion, truth, {})}, truth, kScatter);
+        const OpenLoopProblem problem({makeOpenLoopRun(motion, truth, {5, 50}, {})}, truth, kScatter);
         const auto fit = fitParameters(problem, truth, knobs);
         const auto bias = calcFitBias({motion}, truth, fit.model, knobs);
         const double error = fit.values[0] / dissipation - 1;

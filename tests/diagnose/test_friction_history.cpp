@@ -3,8 +3,8 @@
 #include <complex>
 #include <random>
 
-#include "identify/diagnose/sliding_friction.hpp"
-#include "identify/diagnose/velocity_noise.hpp"
+#include "identify/problem/sliding_friction.hpp"
+#include "identify/problem/velocity_noise.hpp"
 #include "models/pi.hpp"
 
 using namespace wems::identify;
@@ -67,7 +67,7 @@ TEST_CASE("Noise goes from a velocity, the motion stays", "[diagnose]") {
         clean(0, k) = level * std::sin(kTwoPi * 5 * std::expm1(rate * t) / rate);
         noise(0, k) = (displacement_noise[k + 2] - displacement_noise[k]) / (2 * kInterval);
     }
-    const int frame = velocityNoiseFrame(kInterval);
+    const int frame = velocityNoiseFrame(kInterval, 5.0);
     Eigen::MatrixXd density(1, frame / 2 + 1);
     for (Eigen::Index b = 0; b < density.cols(); ++b) {
         const double rate = std::sin(kTwoPi * static_cast<double>(b) / frame) / kInterval;  // of central differences
@@ -77,9 +77,9 @@ TEST_CASE("Noise goes from a velocity, the motion stays", "[diagnose]") {
         return row.norm() / std::sqrt(static_cast<double>(row.size()));
     };
 
-    CHECK(root(removeVelocityNoise(clean, kInterval, 0 * density) - clean) < 1e-12);
-    CHECK(root(removeVelocityNoise(noise, kInterval, density)) < 0.4 * root(noise));
-    const Eigen::MatrixXd found = removeVelocityNoise(clean + noise, kInterval, density);
+    CHECK(root(removeVelocityNoise(clean, frame, kInterval, 0 * density) - clean) < 1e-12);
+    CHECK(root(removeVelocityNoise(noise, frame, kInterval, density)) < 0.4 * root(noise));
+    const Eigen::MatrixXd found = removeVelocityNoise(clean + noise, frame, kInterval, density);
     REQUIRE(root(noise) > 1.2e-3);  // more than what creeps
     CHECK(root((found - clean).middleCols(500, 3000)) < 0.25 * root(noise));
     CHECK(root((found - clean).middleCols(4500, 7000)) < 0.4 * root(noise));

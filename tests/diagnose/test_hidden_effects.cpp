@@ -24,8 +24,11 @@ hidden::HiddenCase draw(const std::string& kind, std::uint64_t seed, hidden::Sen
 }
 
 Diagnosis diagnoseCase(const hidden::HiddenCase& hidden, std::uint64_t seed) {
+    // What is believed is exact but for the effect, and says so.
+    MountModel believed = hidden.base;
+    for (std::size_t i = 0; i < kToleranceKeys.size(); ++i) believed.tolerances.set(static_cast<ToleranceOf>(i), 0.0);
     return diagnose({hidden::recordForward(hidden, 0, seed), hidden::recordForward(hidden, 1, seed)},
-                    {hidden::recordForward(hidden, 2, seed)}, hidden.base);
+                    {hidden::recordForward(hidden, 2, seed)}, believed);
 }
 
 std::vector<std::string> listNamed(const Diagnosis& diagnosis) {

@@ -20,7 +20,7 @@ OpenLoopProblem makeProblem(const MountModel& truth, const MountModel& believed,
     identify::testing::RunPlan plan;
     plan.force = {40, 30, 60};
     const auto motion = estimateMotion(identify::testing::recordRun(truth, plan, random), believed);
-    return {{makeOpenLoopRun(motion, believed, {})}, believed, kScatter};
+    return {{makeOpenLoopRun(motion, believed, {5, 50}, {})}, believed, kScatter};
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <complex>
 #include <limits>
 
-#include "identify/diagnose/fourier.hpp"
+#include "identify/problem/fourier.hpp"
 #include "models/axis_names.hpp"
 #include "models/bryant.hpp"
 #include "models/pi.hpp"

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <random>
 
-#include "identify/diagnose/mount_equation.hpp"
 #include "identify/fit/law_history.hpp"
 #include "identify/forward/forward_model.hpp"
 #include "identify/forward/step_size.hpp"
+#include "identify/problem/mount_equation.hpp"
 #include "plugin/simulation.hpp"
 #include "tests/models/random_values.hpp"
 #include "tests/plugin/sample_models.hpp"

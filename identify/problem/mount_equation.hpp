@@ -13,7 +13,7 @@
 
 #include <Eigen/Core>
 
-#include "identify/diagnose/open_loop_run.hpp"
+#include "identify/problem/open_loop_run.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {

@@ -1,6 +1,6 @@
-#include "identify/diagnose/aliasing.hpp"
+#include "identify/problem/aliasing.hpp"
 
-#include "identify/diagnose/fourier.hpp"
+#include "identify/problem/fourier.hpp"
 
 namespace wems::identify {
 namespace {

@@ -1,11 +1,11 @@
-#include "identify/diagnose/slow_balance.hpp"
+#include "identify/problem/slow_balance.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
-#include "identify/diagnose/mount_equation.hpp"
-#include "identify/diagnose/whitening.hpp"
+#include "identify/problem/mount_equation.hpp"
+#include "identify/problem/rigid_matrices.hpp"
 #include "models/axis_law.hpp"
 #include "models/bryant.hpp"
 

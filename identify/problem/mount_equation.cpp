@@ -1,11 +1,11 @@
-#include "identify/diagnose/mount_equation.hpp"
+#include "identify/problem/mount_equation.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <vector>
 
-#include "identify/diagnose/sliding_friction.hpp"
 #include "identify/fit/drag.hpp"
+#include "identify/problem/sliding_friction.hpp"
 #include "models/law_equality.hpp"
 
 namespace wems::identify {

@@ -1,4 +1,4 @@
-#include "identify/diagnose/fourier.hpp"
+#include "identify/problem/fourier.hpp"
 
 #include <complex>
 #include <vector>

@@ -1,18 +1,19 @@
-#include "identify/diagnose/bracket_equation.hpp"
+#include "identify/problem/bracket_equation.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <complex>
 #include <limits>
 
-#include "identify/diagnose/mount_equation.hpp"
+#include "identify/problem/mount_equation.hpp"
 #include "models/load_gain.hpp"
 #include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
 
-constexpr double kPadding = 10.0;  // s for the response to die out
+constexpr double kPadding =
+    50;  // periods of the lowest excited frequency, for the response of modes above it to die out
 
 /// modes x 12.
 Eigen::MatrixXd calcParticipations(const MountModel& model) {
@@ -44,7 +45,7 @@ Eigen::Matrix<double, 12, 1> calcParticipation(const BracketMode& mode) {
 }
 
 BracketEquation::BracketEquation(const OpenLoopRun& run)
-    : run_(&run), fourier_(run.sampleCount() + static_cast<int>(kPadding / run.interval)) {}
+    : run_(&run), fourier_(run.sampleCount() + static_cast<int>(kPadding / (run.band.lowest * run.interval))) {}
 
 bool BracketEquation::isAvailable(const OpenLoopRun& run, const MountModel& model) {
     return !model.bracket.empty() && run.fixed_measured && (run.load.cols() > 0 || run.base.cols() > 0);

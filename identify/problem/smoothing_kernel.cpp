@@ -1,4 +1,4 @@
-#include "identify/diagnose/smoothing_kernel.hpp"
+#include "identify/problem/smoothing_kernel.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,13 +7,16 @@
 
 namespace wems::identify {
 
-/// Wiener filter over short-time spectra (half a second, overlapping): what lies below twice the noise in a stretch and
+/// Wiener filter over short-time spectra (overlapping frames): what lies below twice the noise in a stretch and
 /// a band goes, the rest loses the noise's share of its power. Zero phase. (Oppenheim, Verghese, Signals, Systems and
 /// Inference, 2016, ch. 12; Lim, Oppenheim 1979, doi:10.1109/PROC.1979.11540.)
+/// @param frame samples of a frame, as velocityNoiseFrame() gives it
 /// @param velocities rows of samples `interval` (s) apart, m/s
-/// @param density one-sided noise density of each row at k/(n interval), n = velocityNoiseFrame(interval),
+/// @param density one-sided noise density of each row at k/(n interval), n = frame,
 ///     (m/s)²/Hz: rows x (n/2 + 1)
-Eigen::MatrixXd removeVelocityNoise(const Eigen::MatrixXd& velocities, double interval, const Eigen::MatrixXd& density);
-int velocityNoiseFrame(double interval);
+Eigen::MatrixXd removeVelocityNoise(const Eigen::MatrixXd& velocities, int frame, double interval,
+                                    const Eigen::MatrixXd& density);
+/// Two and a half periods of the lowest excited frequency (Hz).
+int velocityNoiseFrame(double interval, double lowest);
 
 }  // namespace wems::identify

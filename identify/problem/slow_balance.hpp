@@ -19,7 +19,7 @@
 #include <Eigen/SparseCholesky>
 #include <vector>
 
-#include "identify/diagnose/open_loop_run.hpp"
+#include "identify/problem/open_loop_run.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {

@@ -1,29 +1,29 @@
-#include "identify/diagnose/velocity_noise.hpp"
+#include "identify/problem/velocity_noise.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "identify/diagnose/fourier.hpp"
+#include "identify/problem/fourier.hpp"
 #include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
 
-constexpr double kFrame = 0.5;            // s
+constexpr double kFrame = 2.5;            // periods of the lowest excited frequency
 constexpr int kOverlap = 4;               // frames over each sample
 constexpr double kOversubtraction = 2.0;  // of the noise's power, which scatters as much as it is
 
 }  // namespace
 
-int velocityNoiseFrame(double interval) {
-    int hop = std::max(4, static_cast<int>(std::lround(kFrame / interval / kOverlap)));
+int velocityNoiseFrame(double interval, double lowest) {
+    int hop = std::max(4, static_cast<int>(std::lround(kFrame / lowest / interval / kOverlap)));
     while (Fourier(kOverlap * hop).size() != kOverlap * hop) ++hop;
     return kOverlap * hop;
 }
 
-Eigen::MatrixXd removeVelocityNoise(const Eigen::MatrixXd& velocities, double interval,
+Eigen::MatrixXd removeVelocityNoise(const Eigen::MatrixXd& velocities, int frame, double interval,
                                     const Eigen::MatrixXd& density) {
-    const int length = velocityNoiseFrame(interval), hop = length / kOverlap;
+    const int length = frame, hop = length / kOverlap;
     const Fourier fourier(length);
     // Root of a Hann window, applied before and after: the squares of the overlapping frames add up to a constant.
     const Eigen::ArrayXd window =

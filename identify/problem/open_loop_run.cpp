@@ -1,12 +1,12 @@
-#include "identify/diagnose/open_loop_run.hpp"
+#include "identify/problem/open_loop_run.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "identify/diagnose/aliasing.hpp"
-#include "identify/diagnose/velocity_noise.hpp"
-#include "identify/diagnose/whitening.hpp"
+#include "identify/problem/aliasing.hpp"
+#include "identify/problem/rigid_matrices.hpp"
+#include "identify/problem/velocity_noise.hpp"
 #include "models/bryant.hpp"
 #include "models/mount_forces.hpp"
 #include "models/pi.hpp"
@@ -14,11 +14,12 @@
 namespace wems::identify {
 namespace {
 
-constexpr double kPass = 220.0;          // Hz: the harmonics of contact included, as laws act on the smoothed motion
-constexpr double kStop = 380.0;          // Hz
-constexpr double kLeastRate = 950.0;     // Hz after decimation
-constexpr double kTaper = 0.15;          // s
-constexpr double kSmallestNoise = 1e-8;  // m: round-off of a file, where the noise is not known
+// In units of the highest excited frequency f: harmonics up to the fourth, as laws act on the smoothed motion; then a
+// transition band; and a rate that holds what is left.
+constexpr double kPass = 4.4, kStop = 7.6, kLeastRate = 19;
+constexpr double kTaper = 0.75;                 // periods of the lowest excited frequency
+constexpr double kLongestTaper = 0.05;          // of the recording
+constexpr double kSmallestNoise = 1e-8;         // m: round-off of a file, where the noise is not known
 constexpr double kSmallestAcceleration = 1e-5;  // m/s²
 constexpr double kUnmeasured = 1.0;             // m: the accelerations alone count
 
@@ -62,13 +63,15 @@ double calcDensity(const PartMotion& part, const Eigen::Matrix<double, 6, 1>& di
 }
 
 /// Of each relative velocity, as removeVelocityNoise takes it.
-Eigen::MatrixXd calcVelocityDensity(const RunMotion& run, const MountModel& model, double interval, double lowest) {
-    const int frame = velocityNoiseFrame(interval);
+Eigen::MatrixXd calcVelocityDensity(const RunMotion& run, const MountModel& model, const ExcitedBand& band,
+                                    double interval, double lowest) {
+    const int frame = velocityNoiseFrame(interval, band.lowest);
     Eigen::MatrixXd density(3 * static_cast<Eigen::Index>(model.connections.size()), frame / 2 + 1);
     for (Eigen::Index row = 0; row < density.rows(); ++row) {
         const auto direction = calcAxisDirection(model, static_cast<int>(row / 3), static_cast<int>(row % 3));
         for (Eigen::Index b = 0; b < density.cols(); ++b) {
-            const double w = kTwoPi * std::max(static_cast<double>(b) / (frame * interval), std::max(lowest, 0.5));
+            const double w =
+                kTwoPi * std::max(static_cast<double>(b) / (frame * interval), std::max(lowest, 0.1 * band.lowest));
             density(row, b) = w * w *
                               (calcDensity(run.mobile, direction, run.interval, w) +
                                calcDensity(run.fixed, direction, run.interval, w));
@@ -98,21 +101,30 @@ void calcRelative(const MountModel& model, const SmoothPart& mobile, const Smoot
     }
 }
 
-OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const Eigen::VectorXd& swept_frequency) {
+SmoothingKernel makeKernel(double interval, const ExcitedBand& band) {
+    const double stop = std::min(kStop * band.highest, 0.95 * 0.5 / interval);
+    return {interval, std::min(kPass * band.highest, kPass / kStop * stop), stop};
+}
+
+int findDecimation(double interval, const ExcitedBand& band) {
+    return std::max(1, static_cast<int>(std::floor(1.0 / interval / (kLeastRate * band.highest) + 1e-9)));
+}
+
+OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const ExcitedBand& band,
+                            const Eigen::VectorXd& swept_frequency) {
     OpenLoopRun result;
     result.file = run.file;
     result.raw_interval = run.interval;
-    const double nyquist = 0.5 / run.interval;
-    const double stop = std::min(kStop, 0.95 * nyquist);
-    result.pass = std::min(kPass, 0.58 * stop);
-    const SmoothingKernel kernel(run.interval, result.pass, stop);
-    const int step = std::max(1, static_cast<int>(std::floor(1.0 / run.interval / kLeastRate + 1e-9)));
+    result.band = band;
+    result.pass = std::min(kPass * band.highest, kPass / kStop * 0.95 * 0.5 / run.interval);
+    const SmoothingKernel kernel = makeKernel(run.interval, band);
+    const int step = findDecimation(run.interval, band);
     result.interval = run.interval * step;
     result.mobile = smooth(run.mobile, kernel, step);
     result.fixed = smooth(run.fixed, kernel, step);
     calcRelative(model, result.mobile, result.fixed, result.q, result.v);
-    result.quiet_v = removeVelocityNoise(result.v, result.interval,
-                                         calcVelocityDensity(run, model, result.interval, run.trusted_from));
+    result.quiet_v = removeVelocityNoise(result.v, velocityNoiseFrame(result.interval, band.lowest), result.interval,
+                                         calcVelocityDensity(run, model, band, result.interval, run.trusted_from));
     if (run.load.cols() > 0) result.load = kernel.apply(run.load, 0, step);
     if (run.base.cols() > 0) result.base = kernel.apply(run.base, 0, step);
     const auto count = result.mobile.p.cols();
@@ -127,7 +139,10 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
         return part.acceleration_measured && !part.displacement_measured ? kUnmeasured
                                                                          : knownNoise(part.displacement_noise);
     };
-    result.integrated = run.mobile.acceleration_measured && !run.mobile.displacement_measured;
+    const auto isIntegrated = [](const PartMotion& part) {
+        return part.acceleration_measured && !part.displacement_measured;
+    };
+    result.integrated = isIntegrated(run.mobile) || isIntegrated(run.fixed);
     result.mobile_noise = displacementNoise(run.mobile);
     result.fixed_noise = result.fixed_measured ? displacementNoise(run.fixed) : 0.0;
     const auto accelerationNoise = [](const PartMotion& part) {
@@ -142,9 +157,10 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
     result.taper.resize(count);
     const double edge = (kernel.halfWidth() + 1) * run.interval;
     const double length = static_cast<double>(count - 1) * result.interval;
+    const double taper = std::min(kTaper / band.lowest, kLongestTaper * length);
     for (Eigen::Index k = 0; k < count; ++k) {
         const double inside = std::min(result.time[k], length - result.time[k]) - edge;
-        const double u = std::clamp(inside / kTaper, 0.0, 1.0);
+        const double u = std::clamp(inside / taper, 0.0, 1.0);
         result.taper[k] = 0.5 - 0.5 * std::cos(kPi * u);
     }
     return result;

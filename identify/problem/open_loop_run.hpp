@@ -6,11 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "identify/diagnose/smoothing_kernel.hpp"
 #include "identify/motion/motion.hpp"
+#include "identify/problem/smoothing_kernel.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {
+
+/// The band that a recording excites, Hz, from which all lengths of filters and tapers follow.
+struct ExcitedBand {
+    double lowest = 0, highest = 0;
+};
 
 /// One rigid part; column k belongs to sample k. In G.
 struct SmoothPart {
@@ -27,6 +32,7 @@ struct OpenLoopRun {
     double raw_interval = 0;  ///< s, of the recording
     double pass = 0;          ///< Hz, all is flat up to here
     double lowest = 0;        ///< Hz, below this the motion is not known
+    ExcitedBand band;         ///< Hz
     Eigen::VectorXd time;     ///< s since the start of the recording
     SmoothPart mobile, fixed;
     Eigen::MatrixXd q, v;     ///< relative displacement and velocity, F axes: row 3 i + axis; m, m/s
@@ -35,7 +41,7 @@ struct OpenLoopRun {
     Eigen::Matrix3Xd base;    ///< m/s²; empty if not recorded
     Eigen::VectorXd swept;    ///< Hz at each sample; empty if not known
     bool fixed_measured = false;
-    bool integrated = false;  ///< the mobile part's displacements are integrated accelerations
+    bool integrated = false;  ///< a part's displacements are integrated accelerations: slow motion is not known
     Eigen::VectorXd taper;    ///< 0 where the filter met an end, 1 inside, smooth between
     /// Noise of one channel as displacement, white up to 1/(2 raw_interval) (m RMS) and the acceleration noise fused
     /// with it (m/s² RMS, infinite if accelerations were not recorded).
@@ -48,7 +54,13 @@ struct OpenLoopRun {
 };
 
 /// @param swept_frequency Hz at each sample of `run`, empty if it is not known
-OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const Eigen::VectorXd& swept_frequency);
+OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const ExcitedBand& band,
+                            const Eigen::VectorXd& swept_frequency);
+
+/// The low pass that everything of a run went through.
+SmoothingKernel makeKernel(double interval, const ExcitedBand& band);
+/// Every how many samples the smoothed motion is kept.
+int findDecimation(double interval, const ExcitedBand& band);
 
 /// Relative displacement and velocity of every axis from the motion of both parts (rows 3 i + axis).
 void calcRelative(const MountModel& model, const SmoothPart& mobile, const SmoothPart& fixed, Eigen::MatrixXd& q,

@@ -1,4 +1,4 @@
-#include "identify/diagnose/sliding_friction.hpp"
+#include "identify/problem/sliding_friction.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -10,8 +10,8 @@
 
 #include <Eigen/Core>
 
-#include "identify/diagnose/fourier.hpp"
-#include "identify/diagnose/open_loop_run.hpp"
+#include "identify/problem/fourier.hpp"
+#include "identify/problem/open_loop_run.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {

@@ -1,0 +1,74 @@
+#include "identify/problem/information.hpp"
+
+#include <Eigen/Dense>
+#include <vector>
+
+namespace wems::identify {
+namespace {
+
+// The noise's level in a band: what its estimate by quartiles, the smoothing of its spectrum and the anti-alias filter
+// leave open. The misfits of exact models (0.8 to 1.1) lie within one and a half of it.
+constexpr double kLevelDeviation = 0.3;
+
+}  // namespace
+
+void BlockInformation::add(const BlockInformation& other) {
+    if (other.empty()) return;
+    if (empty()) {
+        *this = other;
+        return;
+    }
+    A += other.A;
+    b += other.b;
+    Eigen::MatrixXd both(noise_slopes.rows(), noise_slopes.cols() + other.noise_slopes.cols());
+    both << noise_slopes, other.noise_slopes;
+    noise_slopes = both;
+    if (scatter.size() == 0)
+        scatter = other.scatter;
+    else if (other.scatter.size() > 0)
+        scatter += other.scatter;
+    chi_squared += other.chi_squared;
+    count += other.count;
+}
+
+void add(Information& sum, const Information& other) {
+    for (std::size_t k = 0; k < kBlocks; ++k) sum[k].add(other[k]);
+}
+
+BlockInformation combine(const Information& information, const BlockScales& scales, const Eigen::VectorXd& reach) {
+    BlockInformation sum;
+    for (std::size_t k = 0; k < kBlocks; ++k) {
+        BlockInformation scaled = information[k];
+        if (scaled.empty()) continue;
+        scaled.noise_slopes *= scales[k].level / scales[k].scale;
+        scaled.A /= scales[k].scale;
+        scaled.b = scaled.b / scales[k].scale - scaled.noise_slopes.rowwise().sum();
+        scaled.chi_squared /= scales[k].scale;
+        if (scaled.scatter.size() > 0) scaled.scatter /= scales[k].scale;
+        sum.add(scaled);
+    }
+    if (sum.empty()) return sum;
+    // What the recordings do not see is known to its reach.
+    std::vector<Eigen::Index> seen;
+    for (Eigen::Index i = 0; i < sum.b.size(); ++i)
+        if (sum.A(i, i) > 0) seen.push_back(i);
+    const Eigen::MatrixXd A = sum.A(seen, seen), slopes = sum.noise_slopes(seen, Eigen::all);
+    Eigen::MatrixXd C = A;
+    C.diagonal() += reach(seen).cwiseAbs2().cwiseInverse();
+    if (sum.scatter.size() > 0) C += sum.scatter(seen, seen);
+    C.noalias() += kLevelDeviation * kLevelDeviation * slopes * slopes.transpose();
+    const Eigen::LLT<Eigen::MatrixXd> factor(C);
+    // A C⁻¹ A with the root of C, so that it stays symmetric.
+    const Eigen::MatrixXd half = factor.matrixL().solve(A);
+    const Eigen::VectorXd b = half.transpose() * factor.matrixL().solve(sum.b(seen));
+    const auto count = static_cast<Eigen::Index>(seen.size());
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(count, count);
+    product.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
+    product.triangularView<Eigen::StrictlyUpper>() = product.transpose();
+    sum.A(seen, seen) = product;
+    sum.b.setZero();
+    sum.b(seen) = b;
+    return sum;
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,51 @@
+/// @file
+/// What recordings say of the unknowns, to second order about a state: runs add.
+///
+///     −2 log p(data | θ + δ) ≈ Σ_blocks (χ² + 2 bᵀδ + δᵀA δ) / scale
+///
+/// with A = JᵀR⁻¹J, χ² = rᵀR⁻¹r of each block's residual r and its covariance R by noise, and b = JᵀR⁻¹r − ν s. The
+/// second term, s = ½ tr(R⁻¹ ∂R), is what the noise of the regressors adds to JᵀR⁻¹r in the mean (errors in variables):
+/// without it the equations, which are homogeneous, would prefer small masses and stiffnesses. ν is the level
+/// of what the fitted model leaves, noise or not: it scales with the forces alike.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+namespace wems::identify {
+
+/// Equations of different origin, whose misfit is told apart.
+enum class Block { mount, bracket, mobile_sensors, fixed_sensors };
+inline constexpr std::size_t kBlocks = 4;
+
+struct BlockInformation {
+    Eigen::MatrixXd A;
+    Eigen::VectorXd b;             ///< JᵀR⁻¹r
+    Eigen::MatrixXd noise_slopes;  ///< s of each band of frequency of each run, whose noise is known apart
+    Eigen::MatrixXd scatter;       ///< by which JᵀR⁻¹r varies beyond A, where noise comes in bursts; empty: none
+    double chi_squared = 0;
+    double count = 0;  ///< real values
+
+    bool empty() const { return count == 0; }
+    void add(const BlockInformation& other);
+};
+
+using Information = std::array<BlockInformation, kBlocks>;
+
+void add(Information& sum, const Information& other);
+
+/// How a block's values scatter beside what the noise's estimate says.
+struct BlockScale {
+    double scale = 1;  ///< by which its squares weigh less; 1 for a perfect model
+    double level = 1;  ///< ν
+};
+using BlockScales = std::array<BlockScale, kBlocks>;
+
+/// All blocks together, each over its scale, b with its noise slopes taken off. The level of the noise in each band is
+/// known to a part τ only, so that b scatters by τ s more, and bursts of noise add theirs (V): A and b become A C⁻¹ A
+/// and A C⁻¹ b with C = A + V + τ² Σ s sᵀ. What is a factor on all forces, in which nothing but that level speaks, is
+/// then left to its prior.
+/// @param reach standard deviation of each column where it is free
+BlockInformation combine(const Information& information, const BlockScales& scales, const Eigen::VectorXd& reach);
+
+}  // namespace wems::identify

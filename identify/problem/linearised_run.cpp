@@ -1,0 +1,310 @@
+#include "identify/problem/linearised_run.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "identify/problem/lineariser.hpp"
+#include "identify/problem/mount_equation.hpp"
+#include "identify/problem/noise_slopes.hpp"
+#include "identify/problem/sensor_columns.hpp"
+#include "models/bryant.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr double kUnfold = 1.4142135623730951;  // real and imaginary parts share the variance
+
+/// Real values of six complex rows: real parts, then imaginary parts, of each bin.
+Eigen::VectorXf unfold(const Eigen::Ref<const Eigen::MatrixXcd>& rows) {
+    const Eigen::MatrixXd real = kUnfold * rows.real(), imaginary = kUnfold * rows.imag();
+    Eigen::VectorXf values(2 * rows.size());
+    values << real.reshaped().cast<float>(), imaginary.reshaped().cast<float>();
+    return values;
+}
+
+/// Columns of one block and their products.
+class BlockColumns {
+public:
+    BlockColumns(Eigen::Index rows, Eigen::Index columns)
+        : J_(Eigen::MatrixXf::Zero(rows, columns)), used_(static_cast<std::size_t>(columns), false) {}
+    void set(Eigen::Index column, const Eigen::VectorXf& values) {
+        J_.col(column) = values;
+        used_[static_cast<std::size_t>(column)] = true;
+    }
+    /// @param residual as the columns
+    BlockInformation calcInformation(const Eigen::VectorXf& residual) const {
+        std::vector<Eigen::Index> used;
+        for (std::size_t c = 0; c < used_.size(); ++c)
+            if (used_[c]) used.push_back(static_cast<Eigen::Index>(c));
+        const auto count = static_cast<Eigen::Index>(used.size());
+        Eigen::MatrixXd A = Eigen::MatrixXd::Zero(count, count);
+        Eigen::VectorXd b = Eigen::VectorXd::Zero(count);
+        BlockInformation result;
+        constexpr Eigen::Index kChunk = 1024;
+        for (Eigen::Index first = 0; first < J_.rows(); first += kChunk) {
+            const Eigen::Index rows = std::min(kChunk, J_.rows() - first);
+            const Eigen::MatrixXd chunk = J_.middleRows(first, rows)(Eigen::all, used).cast<double>();
+            const Eigen::VectorXd r = residual.segment(first, rows).cast<double>();
+            A.selfadjointView<Eigen::Lower>().rankUpdate(chunk.transpose());
+            b.noalias() += chunk.transpose() * r;
+            result.chi_squared += r.squaredNorm();
+        }
+        A.triangularView<Eigen::StrictlyUpper>() = A.transpose();
+        result.A = Eigen::MatrixXd::Zero(J_.cols(), J_.cols());
+        result.b = Eigen::VectorXd::Zero(J_.cols());
+        result.noise_slopes = Eigen::MatrixXd::Zero(J_.cols(), 0);
+        result.A(used, used) = A;
+        result.b(used) = b;
+        result.count = static_cast<double>(J_.rows());
+        return result;
+    }
+
+private:
+    Eigen::MatrixXf J_;
+    std::vector<bool> used_;
+};
+
+/// Takes the last `count` unknowns, which belong to this run alone, out of an information.
+void marginalise(BlockInformation& block, Eigen::Index count, double precision) {
+    const Eigen::Index kept = block.b.size() - count;
+    if (count == 0) return;
+    Eigen::MatrixXd own = block.A.bottomRightCorner(count, count);
+    own.diagonal().array() += precision;
+    const Eigen::LDLT<Eigen::MatrixXd> factor(own);
+    const Eigen::MatrixXd cross = block.A.topRightCorner(kept, count);
+    const Eigen::VectorXd right = block.b.tail(count);
+    const Eigen::VectorXd solved = factor.solve(right);
+    block.chi_squared -= right.dot(solved);
+    const Eigen::VectorXd b = block.b.head(kept) - cross * solved;
+    const Eigen::MatrixXd A = block.A.topLeftCorner(kept, kept) - cross * factor.solve(cross.transpose());
+    block.A = A;
+    block.b = b;
+}
+
+class ColumnMaker {
+public:
+    ColumnMaker(const Lineariser& at, const ColumnSet& columns, const TestState& state, Eigen::Index extra)
+        : at_(at),
+          columns_(columns),
+          state_(state),
+          noise_slopes_(at.run(), state.model, at.spectra(), *at.noise()),
+          mount_(12 * at.spectra().binCount(), columns.size() + extra),
+          bracket_(at.hasBracket() ? 12 * at.spectra().binCount() : 0, columns.size() + extra),
+          slopes_(static_cast<std::size_t>(columns.size() + extra), NoiseSlopes::Slope::Zero()) {}
+
+    void add(Eigen::Index column, const Eigen::MatrixXcd& mount, const Eigen::MatrixXcd& bracket) {
+        if (mount.size() == 0 && bracket.size() == 0) return;
+        addWhite(column, at_.whiten(mount, bracket), mount.size() > 0);
+    }
+    void addWhite(Eigen::Index column, const Eigen::MatrixXcd& white, bool mount = true) {
+        if (white.size() == 0) return;
+        if (mount) mount_.set(column, unfold(white.topRows(6)));
+        if (at_.hasBracket()) bracket_.set(column, unfold(white.bottomRows(6)));
+    }
+
+    void addLaw(Eigen::Index column, const Unknown& row, const TestState& from, const TestState& to, double step) {
+        Eigen::VectorXd burst;
+        addWhite(column, at_.calcLawColumn(from, to, row.first, row.second, step, burst));
+        if (burst.size() > 0) bursts_[3 * row.first + row.second].emplace_back(column, std::move(burst));
+    }
+
+    /// Of columns of the same axis, whose bursts are the same.
+    Eigen::MatrixXd calcScatter(Eigen::Index size) const {
+        Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(size, size);
+        for (const auto& [axis, members] : bursts_)
+            for (const auto& [i, a] : members)
+                for (const auto& [j, b] : members) scatter(i, j) = a.dot(b);
+        return scatter;
+    }
+
+    void makeTable() {
+        const UnknownTable& table = *columns_.table;
+        TestState moved = state_;
+        for (std::size_t i = 0; i < table.size(); ++i) {
+            if (!columns_.wants(i)) continue;
+            const Unknown& row = table[i];
+            const auto column = static_cast<Eigen::Index>(i);
+            Eigen::MatrixXcd mount, bracket;
+            switch (row.kind) {
+                case UnknownKind::law: {
+                    const double value = row.get(state_);
+                    row.set(moved, value + row.step);
+                    addLaw(column, row, state_, moved, row.step);
+                    slopes_[static_cast<std::size_t>(column)] =
+                        noise_slopes_.calcLawSlope(state_, moved, row.first, row.second, row.step);
+                    resetLaw(moved, row);
+                    break;
+                }
+                case UnknownKind::position:
+                    mount = at_.calcPositionColumn(row.first, row.second);
+                    slopes_[static_cast<std::size_t>(column)] = noise_slopes_.calcPositionSlope(row.first, row.second);
+                    break;
+                case UnknownKind::body: {
+                    row.set(moved, row.get(state_) + row.step);
+                    at_.calcBodyColumn(moved, row.step, mount, bracket);
+                    slopes_[static_cast<std::size_t>(column)] = noise_slopes_.calcInertiaSlope(
+                        (calcMassMatrix(moved.model.body) - calcMassMatrix(state_.model.body)) / row.step,
+                        crossMatrix((state_.model.body.spin - moved.model.body.spin) / row.step));
+                    moved.model.body = state_.model.body;
+                    break;
+                }
+                case UnknownKind::mode:
+                    if (!at_.hasBracket()) break;
+                    bracket = at_.calcModeColumn(row.first, row.second);
+                    slopes_[static_cast<std::size_t>(column)] = noise_slopes_.calcModeSlope(row.first, row.second);
+                    break;
+                case UnknownKind::shape:
+                    if (!at_.hasBracket()) break;
+                    bracket = at_.calcShapeColumn(row.first, row.second);
+                    slopes_[static_cast<std::size_t>(column)] = noise_slopes_.calcModeSlope(row.first, 2 + row.second);
+                    break;
+                case UnknownKind::load:
+                    if (at_.hasBracket() && at_.run().load.cols() > 0)
+                        at_.calcLoadColumn(at_.calcLoadSpectra() / row.get(state_), bracket);
+                    if (bracket.size() > 0)
+                        slopes_[static_cast<std::size_t>(column)] = noise_slopes_.calcLoadSlope() / row.get(state_);
+                    break;
+                default:
+                    continue;  // sensors
+            }
+            add(column, mount, bracket);
+        }
+    }
+
+    void makeProbes() {
+        const UnknownTable& table = *columns_.table;
+        for (std::size_t i = 0; i < columns_.probes.size(); ++i) {
+            if (!columns_.wants(table.size() + i)) continue;
+            const Probe& probe = columns_.probes[i];
+            const Unknown& row = table[static_cast<std::size_t>(probe.parameter)];
+            TestState from = state_;
+            for (const auto& [other, value] : probe.preset) table[static_cast<std::size_t>(other)].set(from, value);
+            TestState to = from;
+            row.set(to, row.get(from) + probe.step);
+            const auto column = static_cast<Eigen::Index>(table.size() + i);
+            addLaw(column, row, from, to, probe.step);
+            slopes_[static_cast<std::size_t>(column)] =
+                noise_slopes_.calcLawSlope(from, to, row.first, row.second, probe.step);
+        }
+        if (!at_.hasBracket() || at_.run().load.cols() == 0) return;
+        for (std::size_t i = 0; i < columns_.hats.size(); ++i) {
+            if (!columns_.wants(table.size() + columns_.probes.size() + i)) continue;
+            Eigen::MatrixXcd bracket;
+            double share = 0;
+            at_.calcLoadColumn(at_.calcHatSpectra(columns_.hats[i], share), bracket);
+            const auto column = static_cast<Eigen::Index>(table.size() + columns_.probes.size() + i);
+            add(column, {}, bracket);
+            slopes_[static_cast<std::size_t>(column)] = share * noise_slopes_.calcLoadSlope();
+        }
+    }
+
+    void setSlope(Eigen::Index column, const NoiseSlopes::Slope& slope) {
+        slopes_[static_cast<std::size_t>(column)] = slope;
+    }
+    const NoiseSlopes& noiseSlopes() const { return noise_slopes_; }
+    BlockColumns& mount() { return mount_; }
+    BlockColumns& bracket() { return bracket_; }
+    /// Of the mount's rows, or of the bracket's.
+    Eigen::MatrixXd calcNoiseSlopes(bool bracket) const {
+        Eigen::MatrixXd result(static_cast<Eigen::Index>(slopes_.size()), kLevelBands);
+        for (std::size_t c = 0; c < slopes_.size(); ++c)
+            result.row(static_cast<Eigen::Index>(c)) = slopes_[c].middleRows<6>(bracket ? 6 : 0).colwise().sum();
+        return result;
+    }
+
+private:
+    void resetLaw(TestState& moved, const Unknown& row) const {
+        const auto c = static_cast<std::size_t>(row.first), a = static_cast<std::size_t>(row.second);
+        moved.model.connections[c].axis[a] = state_.model.connections[c].axis[a];
+    }
+
+    const Lineariser& at_;
+    const ColumnSet& columns_;
+    const TestState& state_;
+    NoiseSlopes noise_slopes_;
+    BlockColumns mount_, bracket_;
+    std::vector<NoiseSlopes::Slope> slopes_;
+    std::map<int, std::vector<std::pair<Eigen::Index, Eigen::VectorXd>>> bursts_;
+};
+
+}  // namespace
+
+LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const ColumnSet& columns,
+                        const TestState& state) {
+    Lineariser at(run, layout, state, nullptr);
+    at.prepareColumns();
+    const auto modes = at.hasBracket() ? static_cast<int>(state.model.bracket.size()) : 0;
+    const Eigen::Index extra = 2 * modes;
+    ColumnMaker maker(at, columns, state, extra);
+    maker.makeTable();
+    maker.makeProbes();
+    for (int j = 0; j < modes; ++j)
+        for (int sine = 0; sine < 2; ++sine)
+            maker.add(columns.size() + 2 * j + sine, {}, at.calcTransient(j, sine != 0));
+    LinearisedRun result;
+    result.noise = at.noise();
+    const SensorColumns sensors(run, layout, at.run(), at.spectra(), at.motionNoise());
+    for (std::size_t i = 0; i < columns.table->size(); ++i) {
+        if (!columns.wants(i)) continue;
+        const SensorEffect effect = sensors.calcEffect((*columns.table)[i], at.inContact());
+        if (effect.spectra.size() == 0) continue;
+        maker.addWhite(static_cast<Eigen::Index>(i), at.calcMotionColumn(effect.part, effect.series, effect.spectra));
+        maker.setSlope(static_cast<Eigen::Index>(i), maker.noiseSlopes().calcSensorSlope(effect));
+    }
+    auto& mount = result.information[static_cast<std::size_t>(Block::mount)];
+    mount = maker.mount().calcInformation(unfold(at.residual().topRows(6)));
+    mount.A = mount.A.topLeftCorner(columns.size(), columns.size()).eval();
+    mount.b = mount.b.head(columns.size()).eval();
+    mount.noise_slopes = maker.calcNoiseSlopes(false).topRows(columns.size());
+    mount.scatter = maker.calcScatter(columns.size());
+    if (at.hasBracket()) {
+        auto& bracket = result.information[static_cast<std::size_t>(Block::bracket)];
+        bracket = maker.bracket().calcInformation(unfold(at.residual().bottomRows(6)));
+        Eigen::MatrixXd fixed = at.run().fixed.p;
+        fixed.colwise() -= fixed.rowwise().mean().eval();
+        double largest = 0;
+        for (const auto& mode : state.model.bracket) largest = std::max(largest, mode.translation.norm());
+        const double amplitude = fixed.cwiseAbs().maxCoeff() / std::max(largest, 1e-300);
+        marginalise(bracket, extra, 1 / (amplitude * amplitude));
+        bracket.noise_slopes = maker.calcNoiseSlopes(true).topRows(columns.size());
+    }
+    for (const Part part : {Part::mobile, Part::fixed})
+        result.information[static_cast<std::size_t>(part == Part::mobile ? Block::mobile_sensors
+                                                                         : Block::fixed_sensors)] =
+            sensors.calcInformation(part, *columns.table, columns.size());
+    result.mount_residual = at.residual().topRows(6);
+    for (std::size_t c = 0; c < state.model.connections.size(); ++c)
+        for (int a = 0; a < 3; ++a)
+            result.axis_directions.push_back(
+                at.whitenDirection(calcAxisDirection(state.model, static_cast<int>(c), a)));
+    result.frequency.resize(at.spectra().binCount());
+    for (Eigen::Index b = 0; b < result.frequency.size(); ++b) result.frequency[b] = at.spectra().frequency(b);
+    result.contact_share = at.calcContactShare();
+    return result;
+}
+
+Information calcMisfit(const TestRun& run, const SensorLayout& layout, const TestState& state,
+                       const std::shared_ptr<const RunNoise>& noise, bool with_sensors) {
+    const Lineariser at(run, layout, state, noise);
+    Information result;
+    const auto measure = [&](Block block, const Eigen::MatrixXcd& rows) {
+        auto& own = result[static_cast<std::size_t>(block)];
+        own.A.resize(0, 0);
+        own.b.resize(0);
+        own.noise_slopes.resize(0, 0);
+        own.chi_squared = 2 * rows.squaredNorm();
+        own.count = 2 * static_cast<double>(rows.size());
+    };
+    measure(Block::mount, at.residual().topRows(6));
+    if (at.hasBracket()) measure(Block::bracket, at.residual().bottomRows(6));
+    if (!with_sensors) return result;
+    const SensorColumns sensors(run, layout, at.run(), at.spectra(), at.motionNoise());
+    for (const Part part : {Part::mobile, Part::fixed})
+        result[static_cast<std::size_t>(part == Part::mobile ? Block::mobile_sensors : Block::fixed_sensors)] =
+            sensors.calcInformation(part, {}, 0);
+    return result;
+}
+
+}  // namespace wems::identify

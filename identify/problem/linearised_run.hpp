@@ -1,0 +1,68 @@
+/// @file
+/// One run's equations about a state: whitened residuals, their derivatives by every unknown, and what they say.
+///
+/// Mount: what the measured motion demands minus what the laws give, six values at each frequency. Bracket: predicted
+/// minus measured motion of the fixed part. Sensors: what a channel reads beyond the rigid motion of its part. All
+/// along the measured motion, so that nothing chaotic enters; each in units of its own noise (run_noise.hpp).
+///
+/// Derivatives are of first order about the state, laws by differences of their force histories along the rest
+/// direction of their axis. A contact's tangent stiffness takes part wherever a sensor's error moves the motion.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "identify/problem/information.hpp"
+#include "identify/problem/test_run.hpp"
+#include "identify/problem/unknown.hpp"
+
+namespace wems::identify {
+
+class RunNoise;
+
+/// A change of a law far from the state: a column of its own, as the law is not linear in the number.
+struct Probe {
+    int parameter = 0;                           ///< row of the table, of kind law
+    double step = 0;                             ///< the column is (residual after the step − before) / step
+    std::vector<std::pair<int, double>> preset;  ///< rows and values that are set first
+};
+
+/// A gain of the load about a swept frequency: a hat, linear on both sides.
+struct LoadHat {
+    double below = 0, at = 0, above = 0;  ///< Hz
+};
+
+/// Columns of an Information: the table's rows, then probes, then hats.
+struct ColumnSet {
+    const UnknownTable* table = nullptr;
+    std::vector<Probe> probes;
+    std::vector<LoadHat> hats;
+    std::vector<char> wanted;  ///< columns that are formed; empty: all. The others say nothing.
+    bool wants(std::size_t column) const { return wanted.empty() || wanted[column] != 0; }
+    Eigen::Index size() const { return static_cast<Eigen::Index>(table->size() + probes.size() + hats.size()); }
+};
+
+struct LinearisedRun {
+    Information information;
+    std::shared_ptr<const RunNoise> noise;  ///< covariance at the state
+    /// Whitened residual of the mount's equation (6 x bins), the whitened directions of each axis (6 x bins), and
+    /// frequencies (Hz): where what is left sits.
+    Eigen::MatrixXcd mount_residual;
+    std::vector<Eigen::MatrixXcd> axis_directions;
+    Eigen::VectorXd frequency;
+    double contact_share = 0;  ///< share of the mount residual's power that lies within contact, 0 … 1
+};
+
+/// @param run its motion is that of the sensors as the state has them
+LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const ColumnSet& columns,
+                        const TestState& state);
+
+/// Misfit alone: chi-squared and count of the blocks of the equations, and of those of the sensors where asked for.
+/// @param noise covariance of another state of the same run, by which the residuals are weighed
+Information calcMisfit(const TestRun& run, const SensorLayout& layout, const TestState& state,
+                       const std::shared_ptr<const RunNoise>& noise, bool with_sensors);
+
+}  // namespace wems::identify

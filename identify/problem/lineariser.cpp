@@ -1,0 +1,278 @@
+#include "identify/problem/lineariser.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "identify/problem/mount_equation.hpp"
+#include "models/axis_law.hpp"
+#include "models/bryant.hpp"
+#include "models/pi.hpp"
+
+namespace wems::identify {
+namespace {
+
+using Complex = std::complex<double>;
+using Vector6c = Eigen::Matrix<Complex, 6, 1>;
+using Vector12c = Eigen::Matrix<Complex, 12, 1>;
+
+constexpr double kCountedFrom = 0.5;  // of the lowest excited frequency: where equations begin to count
+constexpr double kCountedTo = 2.2;    // of the highest
+constexpr double kOfPass = 0.9;       // and of the low pass
+
+}  // namespace
+
+Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state,
+                       std::shared_ptr<const RunNoise> noise)
+    : test_(test),
+      model_(state.model),
+      open_(makeRun()),
+      slow_(open_.integrated && open_.lowest > 0 ? std::make_unique<SlowBalance>(open_, model_) : nullptr),
+      with_bracket_(BracketEquation::isAvailable(open_, model_)),
+      spectra_(open_, std::max(kCountedFrom * test.band.lowest, slow_ ? slow_->highestBalanced() : open_.lowest),
+               std::min(kCountedTo * test.band.highest, kOfPass * open_.pass)),
+      motion_noise_(test, layout),
+      noise_(
+          noise != nullptr && noise->binCount() == spectra_.binCount()
+              ? std::move(noise)
+              : std::make_shared<RunNoise>(test, open_, model_, motion_noise_, spectra_, slow_.get(), with_bracket_)),
+      bracket_(open_) {
+    calcResiduals();
+}
+
+void Lineariser::prepareColumns() {
+    K_ = calcStiffnessMatrix(model_);
+    C_ = calcDampingMatrix(model_);
+    M_ = calcMassMatrix(model_.body);
+    demand_ = calcDemand(open_, model_.body, model_.gravity);
+    if (with_bracket_) inputs_ = spectra_.transform(bracket_.calcInputs(model_));
+    const auto axes = 3 * static_cast<Eigen::Index>(model_.connections.size());
+    forces_.resize(axes, open_.sampleCount());
+    tangent_.resize(axes, open_.sampleCount());
+    rest_tangent_.resize(axes);
+    touched_.assign(static_cast<std::size_t>(axes), false);
+    for (Eigen::Index row = 0; row < axes; ++row) {
+        const AxisLaw& law =
+            model_.connections[static_cast<std::size_t>(row / 3)].axis[static_cast<std::size_t>(row % 3)];
+        forces_.row(row) = calcAxisForce(open_, law, static_cast<int>(row / 3), static_cast<int>(row % 3)).transpose();
+        const AxisForce force(law);
+        rest_tangent_[row] = force.calcStaticStiffness(0);
+        for (Eigen::Index k = 0; k < tangent_.cols(); ++k) {
+            tangent_(row, k) = force.calcStaticStiffness(open_.q(row, k));
+            if (tangent_(row, k) != rest_tangent_[row]) touched_[static_cast<std::size_t>(row)] = in_contact_ = true;
+        }
+    }
+    for (Eigen::Index row = 0; row < axes; ++row) {
+        const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
+        Eigen::MatrixXcd white(12, spectra_.binCount());
+        for (Eigen::Index b = 0; b < white.cols(); ++b)
+            white.col(b) = noise_->whitener(b).leftCols<6>() * d.cast<Complex>();
+        if (!with_bracket_) white.bottomRows(6).setZero();
+        axis_white_.push_back(std::move(white));
+    }
+}
+
+Eigen::MatrixXcd Lineariser::whiten(const Eigen::MatrixXcd& mount, const Eigen::MatrixXcd& bracket) const {
+    Eigen::MatrixXcd white = Eigen::MatrixXcd::Zero(12, spectra_.binCount());
+    for (Eigen::Index b = 0; b < white.cols(); ++b) {
+        const Matrix12c& L = noise_->whitener(b);
+        Eigen::Map<Vector12c> values(&white(0, b));
+        if (mount.size() > 0) values += L.leftCols<6>().lazyProduct(Eigen::Map<const Vector6c>(&mount(0, b)));
+        if (bracket.size() > 0)
+            values.tail<6>() += L.bottomRightCorner<6, 6>().lazyProduct(Eigen::Map<const Vector6c>(&bracket(0, b)));
+    }
+    if (!with_bracket_) white.bottomRows(6).setZero();
+    return white;
+}
+
+Eigen::MatrixXcd Lineariser::transformMount(const Eigen::MatrixXd& wrench) const {
+    return spectra_.transform(slow_ ? slow_->balance(wrench) : wrench);
+}
+
+Eigen::MatrixXcd Lineariser::calcLawColumn(const TestState& from, const TestState& to, int connection, int axis,
+                                           double step, Eigen::VectorXd& burst) const {
+    const auto c = static_cast<std::size_t>(connection), a = static_cast<std::size_t>(axis);
+    const Eigen::VectorXd change = (calcAxisForce(open_, to.model.connections[c].axis[a], connection, axis) -
+                                    calcAxisForce(open_, from.model.connections[c].axis[a], connection, axis)) /
+                                   step;
+    if (change.isZero(0.0)) return {};
+    const Eigen::MatrixXcd spectrum = spectra_.transform(change.transpose());
+    Eigen::MatrixXcd white = axis_white_[3 * c + a];
+    for (Eigen::Index b = 0; b < white.cols(); ++b) white.col(b) *= spectrum(0, b);
+    burst = calcBurst(spectrum.row(0).transpose(), 3 * c + a);
+    if (slow_) {
+        const Vector6 d = calcAxisDirection(model_, connection, axis);
+        white -= whiten(spectra_.transform(slow_->calcForces(slow_->solve(change, d))), {});
+    }
+    return white;
+}
+
+Eigen::VectorXd Lineariser::calcBurst(const Eigen::VectorXcd& spectrum, std::size_t row) const {
+    const auto axis = static_cast<Eigen::Index>(row);
+    if (touched_[row] == 0) return {};
+    Eigen::VectorXcd weighted(spectrum.size());
+    for (Eigen::Index b = 0; b < spectrum.size(); ++b)
+        weighted[b] = axis_white_[row].col(b).squaredNorm() * spectrum[b];
+    const Eigen::VectorXd series = spectra_.calcSeries(weighted);
+    const Eigen::ArrayXd stop = tangent_.row(axis).transpose().array() - rest_tangent_[axis];
+    const Eigen::ArrayXd beyond = (stop.square() - stop.square().mean()).max(0.0);
+    std::vector<Eigen::Index> inside;
+    for (Eigen::Index k = 0; k < beyond.size(); ++k)
+        if (beyond[k] > 0) inside.push_back(k);
+    return (series.array() * open_.taper.array() * (noise_->contactVariance(row) * beyond).sqrt())(inside);
+}
+
+void Lineariser::calcBodyColumn(const TestState& to, double step, Eigen::MatrixXcd& mount,
+                                Eigen::MatrixXcd& bracket) const {
+    const Eigen::MatrixXd change = (calcDemand(open_, to.model.body, to.model.gravity) - demand_) / step;
+    mount = transformMount(change);
+    if (!with_bracket_) return;
+    const Eigen::MatrixXcd plain = spectra_.transform(change);
+    bracket.resize(6, plain.cols());
+    for (Eigen::Index b = 0; b < plain.cols(); ++b) bracket.col(b) = -(noise_->receptance(b) * plain.col(b));
+}
+
+Eigen::MatrixXcd Lineariser::calcPositionColumn(int connection, int axis) const {
+    const Eigen::Vector3d e = Eigen::Vector3d::Unit(axis);
+    const auto& laws = model_.connections[static_cast<std::size_t>(connection)].axis;
+    Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(6, open_.sampleCount());
+    Vector6 d[3];
+    for (int a = 0; a < 3; ++a) d[a] = calcAxisDirection(model_, connection, a);
+    for (Eigen::Index k = 0; k < wrench.cols(); ++k) {
+        const Eigen::Vector3d moved = (open_.mobile.theta.col(k) - open_.fixed.theta.col(k)).cross(e);
+        const Eigen::Vector3d moving = (open_.mobile.w.col(k) - open_.fixed.w.col(k)).cross(e);
+        Eigen::Vector3d force;
+        for (int a = 0; a < 3; ++a) {
+            const Eigen::Index row = 3 * connection + a;
+            force[a] = forces_(row, k);
+            wrench.col(k) +=
+                d[a] * (tangent_(row, k) * moved[a] + laws[static_cast<std::size_t>(a)].damping * moving[a]);
+        }
+        wrench.col(k).tail<3>() += e.cross(force);
+    }
+    return transformMount(wrench);
+}
+
+Eigen::MatrixXcd Lineariser::calcModeColumn(int mode, int which) const {
+    const BracketMode& own = model_.bracket[static_cast<std::size_t>(mode)];
+    const Vector6 shape = calcShape(own);
+    const auto participation = calcParticipation(own);
+    Eigen::MatrixXcd column(6, spectra_.binCount());
+    const double w0 = kTwoPi * own.frequency;
+    for (Eigen::Index b = 0; b < column.cols(); ++b) {
+        const double w = spectra_.angular(b);
+        const Complex h = calcModalResponse(own, w);
+        const Complex force = participation.cast<Complex>().dot(inputs_.col(b));
+        const Complex dh =
+            which == 0 ? -h * h * Complex(2 * w0, 2 * own.damping_ratio * w) * kTwoPi : -h * h * Complex(0, 2 * w0 * w);
+        column.col(b) = shape.cast<Complex>() * (dh * force);
+    }
+    return column;
+}
+
+Eigen::MatrixXcd Lineariser::calcShapeColumn(int mode, int entry) const {
+    const BracketMode& own = model_.bracket[static_cast<std::size_t>(mode)];
+    const Vector6 shape = calcShape(own);
+    const auto participation = calcParticipation(own);
+    Eigen::MatrixXcd column(6, spectra_.binCount());
+    for (Eigen::Index b = 0; b < column.cols(); ++b) {
+        const Complex h = calcModalResponse(own, spectra_.angular(b));
+        column.col(b) = shape.cast<Complex>() * (h * inputs_(entry, b));
+        if (entry < 6) column(entry, b) += h * participation.cast<Complex>().dot(inputs_.col(b));
+    }
+    return column;
+}
+
+void Lineariser::calcLoadColumn(const Eigen::MatrixXcd& load, Eigen::MatrixXcd& bracket) const {
+    bracket = Eigen::MatrixXcd::Zero(6, spectra_.binCount());
+    for (Eigen::Index b = 0; b < bracket.cols(); ++b)
+        for (const auto& own : model_.bracket) {
+            const Complex force = own.load_translation.cast<Complex>().dot(load.col(b));
+            bracket.col(b) += calcShape(own).cast<Complex>() * (calcModalResponse(own, spectra_.angular(b)) * force);
+        }
+}
+
+Eigen::MatrixXcd Lineariser::calcHatSpectra(const LoadHat& hat, double& share) const {
+    Eigen::MatrixXd load = open_.load;
+    for (Eigen::Index k = 0; k < load.cols(); ++k) {
+        const double f = k < open_.swept.size() ? open_.swept[k] : std::nan("");
+        double weight = 0;
+        if (f > hat.below && f <= hat.at) weight = (f - hat.below) / (hat.at - hat.below);
+        if (f > hat.at && f < hat.above) weight = (hat.above - f) / (hat.above - hat.at);
+        load.col(k) *= weight;
+        share += weight / static_cast<double>(load.cols());
+    }
+    return spectra_.transform(load);
+}
+
+Eigen::MatrixXcd Lineariser::calcTransient(int mode, bool sine) const {
+    const BracketMode& own = model_.bracket[static_cast<std::size_t>(mode)];
+    Eigen::MatrixXd motion(6, open_.sampleCount());
+    const double w = kTwoPi * own.frequency;
+    for (Eigen::Index k = 0; k < motion.cols(); ++k) {
+        const double t = open_.time[k];
+        motion.col(k) =
+            calcShape(own) * (std::exp(-own.damping_ratio * w * t) * (sine ? std::sin(w * t) : std::cos(w * t)));
+    }
+    return spectra_.transform(motion);
+}
+
+Eigen::MatrixXcd Lineariser::calcMotionColumn(Part part, const Eigen::MatrixXd& series,
+                                              const Eigen::MatrixXcd& spectra) const {
+    const bool mobile = part == Part::mobile;
+    Eigen::MatrixXcd white(12, spectra.cols());
+    for (Eigen::Index b = 0; b < spectra.cols(); ++b)
+        white.col(b) = noise_->whitenedMotion(b)
+                           .middleCols<6>(mobile ? 0 : 6)
+                           .lazyProduct(Eigen::Map<const Vector6c>(&spectra(0, b)));
+    if (!with_bracket_) white.bottomRows(6).setZero();
+    if (!in_contact_) return white;
+    const double sign = mobile ? 1.0 : -1.0;
+    Eigen::MatrixXd contact = Eigen::MatrixXd::Zero(6, series.cols());
+    for (Eigen::Index row = 0; row < tangent_.rows(); ++row) {
+        if (!touched_[static_cast<std::size_t>(row)]) continue;
+        const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
+        const Eigen::RowVectorXd q = d.transpose() * series;
+        contact += d * (sign * (tangent_.row(row).array() - rest_tangent_[row]) * q.array()).matrix();
+    }
+    return white + whiten(transformMount(contact), {});
+}
+
+Eigen::MatrixXcd Lineariser::whitenDirection(const Vector6& d) const {
+    Eigen::MatrixXcd white(6, spectra_.binCount());
+    for (Eigen::Index b = 0; b < white.cols(); ++b)
+        white.col(b) = noise_->whitener(b).topLeftCorner<6, 6>() * d.cast<Complex>();
+    return white;
+}
+
+double Lineariser::calcContactShare() const {
+    double inside = 0, all = 0;
+    for (Eigen::Index k = 0; k < mount_series_.cols(); ++k) {
+        const double power = open_.taper[k] * mount_series_.col(k).head<3>().squaredNorm();
+        bool contact = false;
+        for (Eigen::Index row = 0; row < tangent_.rows() && !contact; ++row)
+            contact = tangent_(row, k) != rest_tangent_[row];
+        all += power;
+        if (contact) inside += power;
+    }
+    return all > 0 ? inside / all : 0;
+}
+
+OpenLoopRun Lineariser::makeRun() const {
+    OpenLoopRun run = makeOpenLoopRun(test_.motion, model_, test_.band, test_.swept.hertz);
+    followSlowMotion(run, model_);
+    return run;
+}
+
+void Lineariser::calcResiduals() {
+    mount_series_ = calcMountResidual(open_, model_);
+    Eigen::MatrixXcd bracket;
+    if (with_bracket_) {
+        Eigen::MatrixXd series = bracket_.calcResidual(model_);
+        series.colwise() -= series.rowwise().mean().eval();
+        bracket = spectra_.transform(series);
+    }
+    white_ = whiten(transformMount(mount_series_), bracket);
+}
+
+}  // namespace wems::identify

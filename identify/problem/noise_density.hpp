@@ -1,0 +1,41 @@
+/// @file
+/// The spectrum of a measurement's noise, from what the measurement shows of itself.
+///
+/// What the channels of a rigid part show beyond six motions is noise, and what their gains and directions make of the
+/// motion. The two are told apart in time: noise is always there, while a sweep passes each frequency once. In each
+/// narrow band the lower quartile over short stretches of the recording, divided by what the quartile of that many
+/// squared Gaussian values is of their mean, is the noise's density; hum of the mains, which is always there too, is
+/// part of it. (Martin 2001, doi:10.1109/89.928915: noise spectra by minimum statistics.)
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace wems::identify {
+
+/// Variance of one channel's sample as white noise of the density at a frequency would have it, unit².
+class NoiseDensity {
+public:
+    /// @param residuals channels x samples: what is noise, and at times more
+    /// @param freedom of each sample's values: channels minus fitted motions, ≥ 1
+    /// @param resolution Hz, width of a band
+    /// @param least variance below which no noise lies (round-off of the file), unit²
+    NoiseDensity(const Eigen::MatrixXd& residuals, int freedom, double interval, double resolution, double least);
+    /// White noise.
+    explicit NoiseDensity(double variance);
+
+    double at(double frequency) const;
+    /// All of it by a factor.
+    void scale(double factor);
+    /// Variance of a sample: the mean over all frequencies.
+    double variance() const;
+
+private:
+    double resolution_ = 0;
+    std::vector<double> variance_;  // at k resolution_
+};
+
+/// Lower quartile over the mean of a chi-squared variable of `freedom` degrees of freedom (Wilson, Hilferty 1931).
+double calcQuartileRatio(double freedom);
+
+}  // namespace wems::identify

@@ -1,0 +1,44 @@
+#include "identify/problem/rigid_matrices.hpp"
+
+#include <Eigen/Geometry>
+
+#include "models/bryant.hpp"
+
+namespace wems::identify {
+namespace {
+
+Matrix6 sumAxes(const MountModel& model, double AxisLaw::*coefficient) {
+    Matrix6 sum = Matrix6::Zero();
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        for (int a = 0; a < 3; ++a) {
+            const Vector6 d = calcAxisDirection(model, static_cast<int>(i), a);
+            sum += model.connections[i].axis[static_cast<std::size_t>(a)].*coefficient * d * d.transpose();
+        }
+    return sum;
+}
+
+}  // namespace
+
+Vector6 calcAxisDirection(const MountModel& model, int connection, int axis) {
+    Vector6 d;
+    const Eigen::Vector3d e = Eigen::Vector3d::Unit(axis);
+    d << e, model.connections[static_cast<std::size_t>(connection)].position.cross(e);
+    return d;
+}
+
+Matrix6 calcMassMatrix(const MobileBody& body) {
+    const Eigen::Matrix3d C = crossMatrix(body.center_of_gravity);
+    Matrix6 M;
+    M << body.mass * Eigen::Matrix3d::Identity(), -body.mass * C, body.mass * C, body.inertia - body.mass * C * C;
+    return M;
+}
+
+Matrix6 calcStiffnessMatrix(const MountModel& model) {
+    return sumAxes(model, &AxisLaw::stiffness);
+}
+
+Matrix6 calcDampingMatrix(const MountModel& model) {
+    return sumAxes(model, &AxisLaw::damping);
+}
+
+}  // namespace wems::identify

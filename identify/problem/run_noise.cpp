@@ -1,0 +1,214 @@
+#include "identify/problem/run_noise.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "identify/problem/bracket_equation.hpp"
+#include "identify/problem/mount_equation.hpp"
+#include "models/pi.hpp"
+
+namespace wems::identify {
+namespace {
+
+using Matrix6c = Eigen::Matrix<std::complex<double>, 6, 6>;
+
+constexpr double kDiscrepancy = 5e-4;  // of the motion and the load: sampling, smoothing, second-order terms
+constexpr double kSmoothedOver = 0.2;  // of the lowest excited frequency, width of the spectra's smoothing
+constexpr double kJitter = 1e-9;       // of the diagonal, so that exact data have a factor
+
+Matrix6 calcFitCovariance(const SensorLayout& layout, const TestRun& run, int group) {
+    const GroupSamples samples = collectGroup(run.recording, layout, group);
+    if (samples.empty()) return Matrix6::Zero();
+    const Eigen::MatrixXd design = makeChannelDesign(layout, samples.channels);
+    return (design.transpose() * design).completeOrthogonalDecomposition().pseudoInverse();
+}
+
+/// Mean square of the stops' stiffness along the run: what the noise of a displacement meets in contact.
+double calcContactSquare(const OpenLoopRun& run, const AxisForce& force, Eigen::Index row) {
+    double square = 0;
+    const double free = force.calcStaticStiffness(0);
+    for (int k = 0; k < run.sampleCount(); ++k) {
+        const double stop = force.calcStaticStiffness(run.q(row, k)) - free;
+        square += stop * stop;
+    }
+    return square / run.sampleCount();
+}
+
+/// Twice integrated acceleration noise is all slow: 2 h σ² / (3 (2π)⁴ f³) above f; contact spreads it over all bins.
+double calcIntegratedVariance(const OpenLoopRun& run, double corner, double acceleration_variance) {
+    const double total = 2 * run.raw_interval * acceleration_variance / (3 * std::pow(kTwoPi, 4) * std::pow(corner, 3));
+    return total * 0.5 / run.raw_interval / (2 * run.band.highest);
+}
+
+}  // namespace
+
+Eigen::VectorXd EquationSpectra::calcSeries(const Eigen::VectorXcd& values) const {
+    Eigen::MatrixXcd spectrum = Eigen::MatrixXcd::Zero(1, fourier_.binCount());
+    spectrum.row(0).segment(first_, bins_) = values.transpose();
+    return fourier_.size() * fourier_.inverse(spectrum, run_->sampleCount()).transpose();
+}
+
+EquationSpectra::EquationSpectra(const OpenLoopRun& run, double from, double to)
+    : run_(&run), fourier_(run.sampleCount()) {
+    const double spacing = 1 / (fourier_.size() * run.interval);
+    first_ = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(std::ceil(from / spacing)));
+    const auto last = std::min<Eigen::Index>(fourier_.binCount() - 1, static_cast<Eigen::Index>(to / spacing));
+    bins_ = std::max<Eigen::Index>(1, last - first_ + 1);
+    gain_ = run.raw_interval / run.interval * run.taper.squaredNorm();
+}
+
+double EquationSpectra::frequency(Eigen::Index bin) const {
+    return static_cast<double>(first_ + bin) / (fourier_.size() * run_->interval);
+}
+
+double EquationSpectra::angular(Eigen::Index bin) const {
+    return kTwoPi * frequency(bin);
+}
+
+Eigen::MatrixXcd EquationSpectra::transform(const Eigen::Ref<const Eigen::MatrixXd>& rows) const {
+    return fourier_.forward(rows * run_->taper.asDiagonal()).middleCols(first_, bins_);
+}
+
+Eigen::MatrixXd EquationSpectra::calcPower(const Eigen::Ref<const Eigen::MatrixXd>& rows) const {
+    const Eigen::MatrixXd power = transform(rows).cwiseAbs2();
+    const double spacing = 1 / (fourier_.size() * run_->interval);
+    const auto half = static_cast<Eigen::Index>(0.5 * kSmoothedOver * run_->band.lowest / spacing);
+    Eigen::MatrixXd result(power.rows(), power.cols());
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(power.rows());
+    Eigen::Index first = 0, last = -1;
+    for (Eigen::Index k = 0; k < power.cols(); ++k) {
+        while (last < std::min(power.cols() - 1, k + half)) sum += power.col(++last);
+        while (first < k - half) sum -= power.col(first++);
+        result.col(k) = (sum / static_cast<double>(last - first + 1)).cwiseMax(0.0);
+    }
+    return result;
+}
+
+MotionNoise::MotionNoise(const TestRun& run, const SensorLayout& layout) {
+    for (std::size_t g = 0; g < layout.groups.size(); ++g) {
+        const auto& group = layout.groups[g];
+        const bool mobile = group.part == Part::mobile;
+        const PartMotion& motion = mobile ? run.motion.mobile : run.motion.fixed;
+        Side& side = sides_[mobile ? 0 : 1];
+        const Matrix6 covariance = calcFitCovariance(layout, run, static_cast<int>(g));
+        if (group.derivative == Derivative::displacement && motion.displacement_measured) {
+            side.displacement = true;
+            side.by_displacement = covariance;
+            side.displacement_density = &run.noise[g];
+        }
+        if (group.derivative == Derivative::acceleration && motion.acceleration_measured) {
+            side.acceleration = true;
+            side.by_acceleration = covariance;
+            side.acceleration_density = &run.noise[g];
+        }
+        side.ratio = motion.displacement_noise / motion.acceleration_noise;
+    }
+}
+
+MotionNoise::Weights MotionNoise::weights(Part part, double w) const {
+    const Side& side = sides_[part == Part::mobile ? 0 : 1];
+    if (!side.acceleration) return {side.displacement ? 1.0 : 0.0, 0.0};
+    if (!side.displacement) return {0.0, 1.0};
+    const double ratio = w * w * side.ratio;
+    const double acceleration = ratio * ratio / (1 + ratio * ratio);
+    return {1 - acceleration, acceleration};
+}
+
+Matrix6 MotionNoise::covariance(Part part, double w) const {
+    const Side& side = sides_[part == Part::mobile ? 0 : 1];
+    const Weights weight = weights(part, w);
+    Matrix6 sum = Matrix6::Zero();
+    if (side.displacement)
+        sum += weight.displacement * weight.displacement * side.displacement_density->at(w / kTwoPi) *
+               side.by_displacement;
+    if (side.acceleration)
+        sum += weight.acceleration * weight.acceleration * side.acceleration_density->at(w / kTwoPi) / (w * w * w * w) *
+               side.by_acceleration;
+    return sum;
+}
+
+RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel& model, const MotionNoise& motion,
+                   const EquationSpectra& spectra, const SlowBalance* slow, bool with_bracket) {
+    const Matrix6 M = calcMassMatrix(model.body), K = calcStiffnessMatrix(model), C = calcDampingMatrix(model);
+    Eigen::Matrix<double, 6, 12> relative;
+    relative << Matrix6::Identity(), -Matrix6::Identity();
+    const Matrix6 folded = relative * run.aliasing * relative.transpose();
+    std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> directions;
+    std::vector<double> contact;
+    double corner_variance = 0;
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        for (int a = 0; a < 3; ++a) {
+            const auto c = static_cast<int>(i);
+            const AxisLaw& law = model.connections[i].axis[static_cast<std::size_t>(a)];
+            const Vector6 d = calcAxisDirection(model, c, a);
+            directions.push_back(d * d.transpose());
+            contact.push_back(calcContactSquare(run, AxisForce(law), 3 * static_cast<Eigen::Index>(i) + a));
+        }
+    if (slow != nullptr) {
+        const double w = kTwoPi * slow->cornerFrequency();
+        corner_variance = motion.covariance(Part::mobile, w).topLeftCorner<3, 3>().trace() / 3 * w * w * w * w;
+    }
+    Eigen::MatrixXd poses(12, run.sampleCount());
+    poses << run.mobile.p, run.mobile.theta, run.fixed.p, run.fixed.theta;
+    poses.colwise() -= poses.rowwise().mean().eval();
+    const Eigen::MatrixXd motion_power = spectra.calcPower(poses);
+    const Eigen::MatrixXd load_power =
+        run.load.cols() > 0 ? spectra.calcPower(run.load) : Eigen::MatrixXd::Zero(3, spectra.binCount());
+    const double gain = spectra.noiseGain(), part = kDiscrepancy * kDiscrepancy;
+
+    contact_variances_.assign(directions.size(), 0.0);
+    for (Eigen::Index b = 0; b < spectra.binCount(); ++b) {
+        const double w = spectra.angular(b);
+        const std::complex<double> iw(0, w);
+        const Matrix6c stiffness = K.cast<std::complex<double>>() + iw * C.cast<std::complex<double>>();
+        Matrix12c P = Matrix12c::Zero(), A = Matrix12c::Zero(), S = Matrix12c::Zero();
+        P.topLeftCorner<6, 6>() = (gain * motion.covariance(Part::mobile, w)).cast<std::complex<double>>();
+        P.bottomRightCorner<6, 6>() = (gain * motion.covariance(Part::fixed, w)).cast<std::complex<double>>();
+        if (!run.aliasing.isZero(0.0)) P += (gain / (w * w * w * w) * run.aliasing).cast<std::complex<double>>();
+        P.diagonal() += (part * motion_power.col(b)).cast<std::complex<double>>();
+        A.topLeftCorner<6, 6>() = stiffness - (w * w * M).cast<std::complex<double>>();
+        A.topRightCorner<6, 6>() = -stiffness;
+        Matrix6c receptance = Matrix6c::Zero();
+        double load_variance = 0;
+        Eigen::Matrix<std::complex<double>, 6, 3> by_load = Eigen::Matrix<std::complex<double>, 6, 3>::Zero();
+        if (with_bracket) {
+            for (const auto& mode : model.bracket) {
+                const auto shape = calcShape(mode);
+                const auto response = calcModalResponse(mode, w);
+                receptance += response * (shape * shape.transpose()).cast<std::complex<double>>();
+                by_load += response * (shape * mode.load_translation.transpose()).cast<std::complex<double>>();
+            }
+            A.bottomLeftCorner<6, 6>() = receptance * (w * w * M).cast<std::complex<double>>();
+            A.bottomRightCorner<6, 6>() = -Matrix6c::Identity();
+            load_variance = gain * test.load_noise.at(w / kTwoPi) + part * load_power.col(b).maxCoeff();
+            S.bottomRightCorner<6, 6>() += load_variance * by_load * by_load.adjoint();
+        }
+        const Matrix12c PA = P * A.adjoint();
+        S += A * PA;
+        for (std::size_t i = 0; i < directions.size(); ++i) {
+            if (!(contact[i] > 0)) continue;
+            const Matrix6& along = directions[i];  // d dᵀ: variance along d is dᵀ P d = trace(along P)
+            const double variance =
+                slow != nullptr ? gain * calcIntegratedVariance(run, slow->cornerFrequency(),
+                                                                2 * corner_variance + (along * folded).trace())
+                                : (along * (P.topLeftCorner<6, 6>() + P.bottomRightCorner<6, 6>()).real()).trace();
+            contact_variances_[i] += variance / (run.taper.squaredNorm() * static_cast<double>(spectra.binCount()));
+            S.topLeftCorner<6, 6>() += (contact[i] * variance * along).cast<std::complex<double>>();
+        }
+        if (!with_bracket) S.bottomRightCorner<6, 6>().setIdentity();
+        for (int i = 0; i < 12; ++i) S(i, i) *= 1 + kJitter;
+        // Of dynamic size: unrolled, these take minutes to compile and are no faster.
+        const Eigen::MatrixXcd covariance = S;
+        const Eigen::MatrixXcd lower = covariance.llt().matrixL();
+        const Eigen::MatrixXcd one = Eigen::MatrixXcd::Identity(12, 12);
+        whiteners_.push_back(lower.triangularView<Eigen::Lower>().solve(one));
+        const Matrix12c& inverse = whiteners_.back();
+        regressors_.push_back(PA * inverse.adjoint());
+        motions_.push_back(inverse * A);
+        load_noises_.push_back(load_variance * by_load.adjoint() * inverse.rightCols<6>().adjoint());
+        receptances_.push_back(receptance);
+    }
+}
+
+}  // namespace wems::identify

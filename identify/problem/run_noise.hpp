@@ -1,0 +1,108 @@
+/// @file
+/// Covariance of what one run's equations leave, by the noise of its channels.
+///
+/// With G = K + iωC − ω²M the mount's dynamic stiffness (about M's origin), K' = K + iωC, T = Φ H Φᵀ ω² M what the
+/// mobile part's motion makes of the fixed part's, and P_m, P_f the covariances of the two rigid motions,
+///
+///     residuals = A (mobile; fixed) + B load,      A = [ G  −K' ; T  −1 ],      B = [ −load on the mobile part ; Φ H
+///     Φ_Lᵀ ] R(ω) = A diag(P_m, P_f) Aᴴ + B S_l Bᴴ + noise of the stops in contact
+///
+/// P_m, P_f and S_l hold a discrepancy beside the noise, for what is neither noise nor parameter: a small fraction of
+/// the motion's and the load's own spectra, never zero (Kennedy and O'Hagan 2001, doi:10.1111/1467-9868.00294). Carried
+/// through the equations like noise, it scales with the model's forces as they do.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <vector>
+
+#include "identify/problem/fourier.hpp"
+#include "identify/problem/open_loop_run.hpp"
+#include "identify/problem/rigid_matrices.hpp"
+#include "identify/problem/slow_balance.hpp"
+#include "identify/problem/test_run.hpp"
+
+namespace wems::identify {
+
+using Matrix12c = Eigen::Matrix<std::complex<double>, 12, 12>;
+
+/// The bins of a run's spectra that count, and how its tapered samples become them.
+class EquationSpectra {
+public:
+    /// @param from, to Hz
+    EquationSpectra(const OpenLoopRun& run, double from, double to);
+    Eigen::Index binCount() const { return bins_; }
+    double angular(Eigen::Index bin) const;    ///< rad/s
+    double frequency(Eigen::Index bin) const;  ///< Hz
+    /// rows x bins, tapered.
+    Eigen::MatrixXcd transform(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
+    /// 2 Re Σ_b value · exp(iωt) at each sample: what one sample adds to the product with a spectrum.
+    Eigen::VectorXd calcSeries(const Eigen::VectorXcd& values) const;
+    /// Power that white noise of unit variance in the recording has at a bin.
+    double noiseGain() const { return gain_; }
+    /// Smoothed power of tapered rows at the bins.
+    Eigen::MatrixXd calcPower(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
+
+private:
+    const OpenLoopRun* run_;
+    Fourier fourier_;
+    Eigen::Index first_ = 0, bins_ = 0;
+    double gain_ = 0;
+};
+
+/// Noise of the two rigid motions, as displacements, at a frequency: what fusion of displacements and accelerations
+/// leaves. Weights of the two in the fused motion.
+class MotionNoise {
+public:
+    MotionNoise(const TestRun& run, const SensorLayout& layout);
+    struct Weights {
+        double displacement, acceleration;
+    };
+    Weights weights(Part part, double w) const;
+    /// m², m rad, rad² of one sample's noise, as white noise of the density at w (rad/s).
+    Matrix6 covariance(Part part, double w) const;
+
+private:
+    struct Side {
+        bool displacement = false, acceleration = false;
+        double ratio = 0;  // σ_x / σ_a of the fusion, s²
+        Matrix6 by_displacement = Matrix6::Zero(), by_acceleration = Matrix6::Zero();
+        const NoiseDensity *displacement_density = nullptr, *acceleration_density = nullptr;
+    };
+    Side sides_[2];
+};
+
+/// R(ω) and what its dependence on the model needs, at every bin.
+class RunNoise {
+public:
+    RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel& model, const MotionNoise& motion,
+             const EquationSpectra& spectra, const SlowBalance* slow, bool with_bracket);
+
+    Eigen::Index binCount() const { return static_cast<Eigen::Index>(whiteners_.size()); }
+    /// Inverse of R's Cholesky factor at a bin; rows and columns from 6 on belong to the bracket.
+    const Matrix12c& whitener(Eigen::Index bin) const { return whiteners_[static_cast<std::size_t>(bin)]; }
+    /// With L⁻¹ the whitener: P Aᴴ L⁻ᴴ (rows mobile above fixed part) and L⁻¹ A at a bin.
+    const Matrix12c& regressorNoise(Eigen::Index bin) const { return regressors_[static_cast<std::size_t>(bin)]; }
+    const Matrix12c& whitenedMotion(Eigen::Index bin) const { return motions_[static_cast<std::size_t>(bin)]; }
+    /// S_l Bᴴ L⁻ᴴ at a bin, S_l the load's noise.
+    const Eigen::Matrix<std::complex<double>, 3, 12>& loadNoise(Eigen::Index bin) const {
+        return load_noises_[static_cast<std::size_t>(bin)];
+    }
+    /// Φ H Φᵀ at a bin.
+    const Eigen::Matrix<std::complex<double>, 6, 6>& receptance(Eigen::Index bin) const {
+        return receptances_[static_cast<std::size_t>(bin)];
+    }
+
+    /// Variance of a tapered sample of an axis' relative displacement, as a stop's stiffness meets it, m².
+    double contactVariance(std::size_t axis) const { return contact_variances_[axis]; }
+
+private:
+    template <typename T>
+    using Aligned = std::vector<T, Eigen::aligned_allocator<T>>;
+    Aligned<Matrix12c> whiteners_, regressors_, motions_;
+    Aligned<Eigen::Matrix<std::complex<double>, 6, 6>> receptances_;
+    Aligned<Eigen::Matrix<std::complex<double>, 3, 12>> load_noises_;
+    std::vector<double> contact_variances_;
+};
+
+}  // namespace wems::identify

@@ -1,0 +1,277 @@
+#include "identify/problem/sensor_columns.hpp"
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "models/pi.hpp"
+
+namespace wems::identify {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kDependent = 1e-10;  // relative size of a singular value of motions that channels do not show
+constexpr double kBothParts = 1.4142135623730951;
+constexpr double kSlowest = 0.3;  // of the lowest excited frequency, below which nothing is integrated
+
+bool isSensor(UnknownKind kind) {
+    switch (kind) {
+        case UnknownKind::channel_gain:
+        case UnknownKind::channel_delay:
+        case UnknownKind::triax_rotation:
+        case UnknownKind::station_place:
+        case UnknownKind::corner:
+            return true;
+        default:
+            return false;
+    }
+}
+
+/// What a unit error makes of a channel's spectrum beside its signal: a delay differentiates, AC coupling integrates.
+Complex calcTransfer(UnknownKind kind, double w) {
+    if (kind == UnknownKind::channel_delay) return {0, -w};
+    if (kind == UnknownKind::corner) return {0, kTwoPi / w};
+    return 1.0;
+}
+
+}  // namespace
+
+SensorColumns::SensorColumns(const TestRun& test, const SensorLayout& layout, const OpenLoopRun& run,
+                             const EquationSpectra& spectra, const MotionNoise& noise)
+    : layout_(layout), run_(run), spectra_(spectra), noise_(noise), fourier_(run.sampleCount()) {
+    const SmoothingKernel kernel = makeKernel(run.raw_interval, run.band);
+    const int step = findDecimation(run.raw_interval, run.band);
+    for (std::size_t g = 0; g < layout.groups.size(); ++g) {
+        GroupSamples samples = collectGroup(test.recording, layout, static_cast<int>(g));
+        if (samples.empty()) continue;
+        Group group{layout.groups[g].part, layout.groups[g].derivative, samples.channels, {}, {}, {}, {},
+                    &test.noise[g]};
+        group.design = makeChannelDesign(layout, samples.channels);
+        const Eigen::JacobiSVD<Eigen::MatrixXd> svd(group.design, Eigen::ComputeThinU | Eigen::ComputeThinV);
+        const auto& values = svd.singularValues();
+        group.rank = (values.array() > kDependent * values[0]).count();
+        group.inverse = svd.matrixV().leftCols(group.rank) * values.head(group.rank).cwiseInverse().asDiagonal() *
+                        svd.matrixU().leftCols(group.rank).transpose();
+        const SmoothPart& part = group.part == Part::mobile ? run.mobile : run.fixed;
+        group.reading.resize(static_cast<Eigen::Index>(samples.channels.size()), run.sampleCount());
+        for (Eigen::Index k = 0; k < group.reading.cols(); ++k)
+            for (Eigen::Index c = 0; c < group.reading.rows(); ++c)
+                group.reading(c, k) = calcChannelMotion(
+                    layout.channels[static_cast<std::size_t>(samples.channels[static_cast<std::size_t>(c)])],
+                    group.derivative, part.R[static_cast<std::size_t>(k)], part.p.col(k), part.w.col(k), part.a.col(k),
+                    part.alpha.col(k));
+        Eigen::MatrixXd residual = kernel.apply(samples.values, 0, step) - group.reading;
+        residual.colwise() -= residual.rowwise().mean().eval();
+        group.residual = spectra.transform(residual);
+        groups_.push_back(std::move(group));
+    }
+}
+
+Complex SensorColumns::calcWeight(const Group& group, double w) const {
+    const auto weights = noise_.weights(group.part, w);
+    return group.derivative == Derivative::displacement ? Complex(weights.displacement)
+                                                        : Complex(-weights.acceleration / (w * w));
+}
+
+SensorColumns::Change SensorColumns::makeChange(const Group& group, Eigen::Index channel,
+                                                const Eigen::RowVectorXd& signal, UnknownKind kind,
+                                                bool with_series) const {
+    Change change{&group, channel, spectra_.transform(signal), {}, Vector6::Zero()};
+    for (Eigen::Index b = 0; b < change.spectrum.cols(); ++b)
+        change.spectrum(0, b) *= calcTransfer(kind, spectra_.angular(b));
+    if (!with_series) return change;
+    Eigen::MatrixXcd all = fourier_.forward(signal);
+    const double bin = kTwoPi / (fourier_.size() * run_.interval), slowest = kTwoPi * kSlowest * run_.band.lowest;
+    const bool plain = group.derivative == Derivative::displacement && calcTransfer(kind, 1.0) == Complex(1.0);
+    for (Eigen::Index k = 0; k < all.cols(); ++k) {
+        const double w = bin * static_cast<double>(k);
+        if (w < slowest && !plain)
+            all(0, k) = 0;
+        else if (w > 0)
+            all(0, k) *= calcTransfer(kind, w) * calcWeight(group, w);
+    }
+    change.series = fourier_.inverse(all, run_.sampleCount());
+    return change;
+}
+
+std::vector<SensorColumns::Change> SensorColumns::calcChanges(const Unknown& row, bool with_series) const {
+    std::vector<Change> changes;
+    for (const Group& group : groups_) {
+        const SmoothPart& part = group.part == Part::mobile ? run_.mobile : run_.fixed;
+        const bool displacement = group.derivative == Derivative::displacement;
+        for (std::size_t c = 0; c < group.channels.size(); ++c) {
+            const auto& channel = layout_.channels[static_cast<std::size_t>(group.channels[c])];
+            const auto index = static_cast<Eigen::Index>(c);
+            Eigen::RowVectorXd signal;
+            Vector6 from = group.design.row(index).transpose();
+            switch (row.kind) {
+                case UnknownKind::channel_gain:
+                case UnknownKind::channel_delay:
+                    if (group.channels[c] == row.first) signal = group.reading.row(index);
+                    break;
+                case UnknownKind::corner:
+                    if (!displacement && (group.part == Part::mobile ? 0 : 1) == row.first)
+                        signal = group.reading.row(index);
+                    break;
+                case UnknownKind::triax_rotation: {
+                    if (channel.triax != row.first) break;
+                    // n · (e × x): the point's motion along n × e.
+                    SensorChannel across = channel;
+                    across.direction = channel.direction.cross(Eigen::Vector3d::Unit(row.second));
+                    if (across.direction.isZero(1e-12)) break;
+                    from << across.direction, across.position.cross(across.direction);
+                    signal.resize(run_.sampleCount());
+                    for (Eigen::Index k = 0; k < signal.size(); ++k)
+                        signal[k] = calcChannelMotion(across, group.derivative, part.R[static_cast<std::size_t>(k)],
+                                                      part.p.col(k), part.w.col(k), part.a.col(k), part.alpha.col(k));
+                    break;
+                }
+                case UnknownKind::station_place: {
+                    if (channel.station != row.first) break;
+                    const Eigen::Vector3d lever = Eigen::Vector3d::Unit(row.second).cross(channel.direction);
+                    if (lever.isZero(1e-12)) break;
+                    from << Eigen::Vector3d::Zero(), lever;
+                    signal = lever.transpose() * (displacement ? part.theta : part.alpha);
+                    break;
+                }
+                default:
+                    break;
+            }
+            if (signal.size() > 0 && !signal.isZero(0.0)) {
+                signal.array() -= signal.mean();
+                changes.push_back(makeChange(group, index, signal, row.kind, with_series));
+                changes.back().signal = from;
+            }
+        }
+    }
+    return changes;
+}
+
+SensorEffect SensorColumns::calcEffect(const Unknown& row, bool with_series) const {
+    SensorEffect effect;
+    if (!isSensor(row.kind)) return effect;
+    for (const Change& change : calcChanges(row, with_series)) {
+        if (effect.spectra.size() == 0) {
+            effect.spectra = Eigen::MatrixXcd::Zero(6, spectra_.binCount());
+            if (with_series) effect.series = Eigen::MatrixXd::Zero(6, run_.sampleCount());
+        }
+        effect.part = change.group->part;
+        const Vector6 direction = change.group->inverse.col(change.channel);
+        SensorEffect::ChannelChange own{change.signal, direction, Eigen::VectorXcd(effect.spectra.cols())};
+        const bool displacement = change.group->derivative == Derivative::displacement;
+        for (Eigen::Index b = 0; b < effect.spectra.cols(); ++b) {
+            const double w = spectra_.angular(b);
+            const Complex weight = calcWeight(*change.group, w);
+            effect.spectra.col(b) -= direction.cast<Complex>() * (weight * change.spectrum(0, b));
+            own.weight[b] = weight * calcTransfer(row.kind, w) * (displacement ? 1.0 : -w * w);
+        }
+        effect.changes.push_back(std::move(own));
+        if (with_series) effect.series -= direction * change.series;
+    }
+    return effect;
+}
+
+// With w_x, w_a the weights of displacements and accelerations in the fused motion, σ_x and σ_a = ω² σ the noises and P
+// the projection on rigid motions, a channel's fused reading and the residuals share
+//     E[residual · reading] ∝ P_cc (w_x σ_x² − w_a σ²) (w_a² / σ_x² + w_x² / σ²)
+// which is zero where the weights are those of the noise. Where its spectrum is not white they are not.
+Eigen::MatrixXd SensorColumns::calcGainSlopes(const std::vector<const Group*>& groups, const UnknownTable& table,
+                                              Eigen::Index size) const {
+    Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(size, 1);
+    const Group *displacement = nullptr, *acceleration = nullptr;
+    for (const Group* group : groups)
+        (group->derivative == Derivative::displacement ? displacement : acceleration) = group;
+    if (displacement == nullptr || acceleration == nullptr) return slopes;
+    double sum = 0;
+    for (Eigen::Index b = 0; b < spectra_.binCount(); ++b) {
+        const double w = spectra_.angular(b), f = spectra_.frequency(b);
+        const auto weights = noise_.weights(displacement->part, w);
+        const double x = displacement->noise->at(f), a = acceleration->noise->at(f) / (w * w * w * w);
+        if (!(x > 0) || !(a > 0)) continue;
+        sum += (weights.displacement * x - weights.acceleration * a) *
+               (weights.acceleration * weights.acceleration / x + weights.displacement * weights.displacement / a);
+    }
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        if (table[i].kind != UnknownKind::channel_gain) continue;
+        for (const Group* group : {displacement, acceleration})
+            for (std::size_t c = 0; c < group->channels.size(); ++c) {
+                if (group->channels[c] != table[i].first) continue;
+                const auto channel = static_cast<Eigen::Index>(c);
+                const double own = group->design.row(channel).dot(group->inverse.col(channel));
+                slopes(static_cast<Eigen::Index>(i), 0) = (group == displacement ? -2 : 2) * own * sum;
+            }
+    }
+    return slopes;
+}
+
+BlockInformation SensorColumns::calcInformation(Part part, const UnknownTable& table, Eigen::Index size) const {
+    BlockInformation block;
+    Eigen::Index rows = 0, rank = 0;
+    std::vector<const Group*> groups;
+    for (const Group& group : groups_) {
+        if (group.part != part) continue;
+        groups.push_back(&group);
+        rows += static_cast<Eigen::Index>(group.channels.size());
+        rank = std::max(rank, group.rank);
+    }
+    if (rows <= rank) return block;
+    const Eigen::Index bins = spectra_.binCount();
+    // Whitened residual and columns: channels x bins, then real and imaginary parts.
+    const auto whitenInto = [&](const auto& valueAt) {
+        Eigen::MatrixXcd white(rows, bins);
+        Eigen::Index first = 0;
+        for (const Group* group : groups) {
+            const auto count = static_cast<Eigen::Index>(group->channels.size());
+            for (Eigen::Index b = 0; b < bins; ++b) {
+                const double deviation = std::sqrt(group->noise->at(spectra_.frequency(b)) * spectra_.noiseGain());
+                white.block(first, b, count, 1) = kBothParts / deviation * valueAt(*group, b);
+            }
+            first += count;
+        }
+        Eigen::VectorXd values(2 * white.size());
+        const Eigen::MatrixXd real = white.real(), imaginary = white.imag();
+        values << real.reshaped(), imaginary.reshaped();
+        return values;
+    };
+    const Eigen::VectorXd residual =
+        whitenInto([](const Group& group, Eigen::Index b) -> Eigen::VectorXcd { return group.residual.col(b); });
+    std::vector<Eigen::Index> used;
+    std::vector<Eigen::VectorXf> columns;
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        if (!isSensor(table[i].kind)) continue;
+        const auto changes = calcChanges(table[i], false);
+        if (changes.empty() || changes.front().group->part != part) continue;
+        const Eigen::VectorXd column = whitenInto([&](const Group& group, Eigen::Index b) -> Eigen::VectorXcd {
+            Eigen::VectorXcd value = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(group.channels.size()));
+            const double w = spectra_.angular(b);
+            for (const Change& change : changes) {
+                if (change.group == &group) value[change.channel] -= change.spectrum(0, b);
+                const Complex moved = calcWeight(*change.group, w) * change.spectrum(0, b) *
+                                      (group.derivative == Derivative::displacement ? 1.0 : -w * w);
+                value += (group.design * change.group->inverse.col(change.channel)).cast<Complex>() * moved;
+            }
+            return value;
+        });
+        used.push_back(static_cast<Eigen::Index>(i));
+        columns.push_back(column.cast<float>());
+    }
+    Eigen::MatrixXd J(residual.size(), static_cast<Eigen::Index>(columns.size()));
+    for (std::size_t c = 0; c < columns.size(); ++c) J.col(static_cast<Eigen::Index>(c)) = columns[c].cast<double>();
+    block.A = Eigen::MatrixXd::Zero(size, size);
+    block.b = Eigen::VectorXd::Zero(size);
+    block.noise_slopes = calcGainSlopes(groups, table, size);
+    if (!used.empty()) {
+        Eigen::MatrixXd A = Eigen::MatrixXd::Zero(J.cols(), J.cols());
+        A.selfadjointView<Eigen::Lower>().rankUpdate(J.transpose());
+        A.triangularView<Eigen::StrictlyUpper>() = A.transpose();
+        block.A(used, used) = A;
+        block.b(used) = J.transpose() * residual;
+    }
+    block.chi_squared = residual.squaredNorm();
+    block.count = static_cast<double>(2 * bins * (rows - rank));
+    return block;
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,224 @@
+#include "identify/problem/sensor_layout.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "identify/motion/channel_set.hpp"
+#include "models/bryant.hpp"
+#include "models/pi.hpp"
+
+namespace wems::identify {
+namespace {
+
+template <typename T, typename Name>
+int indexOf(std::vector<T>& list, const std::string& wanted, Name name, const T& fresh) {
+    const auto found = std::find_if(list.begin(), list.end(), [&](const T& item) { return name(item) == wanted; });
+    if (found != list.end()) return static_cast<int>(found - list.begin());
+    list.push_back(fresh);
+    return static_cast<int>(list.size()) - 1;
+}
+
+/// A table that nothing but base.* shows: its accelerations are those of the fixed part's origin.
+void addBase(const std::vector<Recording>& recordings, SensorLayout& layout) {
+    for (const SensorGroup& group : layout.groups)
+        if (group.part == Part::fixed) return;
+    SensorGroup group{Part::fixed, Derivative::acceleration, {}};
+    const auto group_index = static_cast<int>(layout.groups.size());
+    for (const Recording& recording : recordings)
+        for (const Channel& channel : recording.channels) {
+            const auto name = parseChannelName(channel.name);
+            if (!name || name->part != Part::base || layout.findChannel(channel.name) >= 0) continue;
+            SensorChannel sensor;
+            sensor.name = channel.name;
+            sensor.group = group_index;
+            sensor.direction = Eigen::Vector3d::Unit(name->axis);
+            if (group.channels.empty()) {
+                layout.triaxes.push_back({"base", group_index});
+                layout.stations.emplace_back("base");
+            }
+            sensor.triax = static_cast<int>(layout.triaxes.size()) - 1;
+            sensor.station = static_cast<int>(layout.stations.size()) - 1;
+            group.channels.push_back(static_cast<int>(layout.channels.size()));
+            layout.channels.push_back(sensor);
+        }
+    if (!group.channels.empty()) layout.groups.push_back(group);
+}
+
+/// Samples of x(t + delay), cubic through four neighbours.
+std::vector<double> shiftSamples(const std::vector<double>& x, double shift) {
+    const auto count = static_cast<long>(x.size());
+    std::vector<double> result(x.size());
+    const auto at = [&](long k) { return x[static_cast<std::size_t>(std::clamp(k, 0L, count - 1))]; };
+    const auto whole = static_cast<long>(std::floor(shift));
+    const double u = shift - static_cast<double>(whole);
+    for (long k = 0; k < count; ++k) {
+        const long i = k + whole;
+        result[static_cast<std::size_t>(k)] =
+            -at(i - 1) * u * (u - 1) * (u - 2) / 6 + at(i) * (u + 1) * (u - 1) * (u - 2) / 2 -
+            at(i + 1) * (u + 1) * u * (u - 2) / 2 + at(i + 2) * (u + 1) * u * (u - 1) / 6;
+    }
+    return result;
+}
+
+/// The inverse of a first-order high pass: x = y + ω_c ∫ y.
+void removeHighPass(std::vector<double>& y, double corner, double interval) {
+    const double factor = kTwoPi * corner * interval;
+    double integral = 0, before = 0;
+    for (double& value : y) {
+        const double now = value;
+        integral += 0.5 * (before + now);
+        before = now;
+        value = now + factor * integral;
+    }
+}
+
+/// Motion of the point `position`, as displacement from rest or acceleration, without what the sensor has wrong.
+/// What a step of a point on a part makes of its motion, at each sample (3 x 3).
+std::vector<Eigen::Matrix3d> calcPlaceEffect(const PartMotion& part, Derivative derivative) {
+    std::vector<Eigen::Matrix3d> effect(static_cast<std::size_t>(part.theta.cols()));
+    for (Eigen::Index k = 0; k < part.theta.cols(); ++k) {
+        const Eigen::Matrix3d R = rotationFromVector(part.theta.col(k));
+        if (derivative == Derivative::displacement) {
+            effect[static_cast<std::size_t>(k)] = R - Eigen::Matrix3d::Identity();
+        } else {
+            const Eigen::Matrix3d spin = crossMatrix(part.w.col(k));
+            effect[static_cast<std::size_t>(k)] = (crossMatrix(part.alpha.col(k)) + spin * spin) * R;
+        }
+    }
+    return effect;
+}
+
+Eigen::Vector3d calcPointMotion(const PartMotion& part, Derivative derivative, const Eigen::Vector3d& position,
+                                Eigen::Index k) {
+    const Eigen::Matrix3d R = rotationFromVector(part.theta.col(k));
+    if (derivative == Derivative::displacement) return part.p.col(k) + R * position - position;
+    const Eigen::Vector3d r = R * position, w = part.w.col(k);
+    return part.a.col(k) + part.alpha.col(k).cross(r) + w.cross(w.cross(r));
+}
+
+}  // namespace
+
+int SensorLayout::findChannel(const std::string& name) const {
+    const auto found =
+        std::find_if(channels.begin(), channels.end(), [&](const SensorChannel& c) { return c.name == name; });
+    return found == channels.end() ? -1 : static_cast<int>(found - channels.begin());
+}
+
+bool SensorLayout::hasAccelerations(Part part) const {
+    return std::any_of(groups.begin(), groups.end(), [part](const SensorGroup& group) {
+        return group.part == part && group.derivative == Derivative::acceleration;
+    });
+}
+
+SensorLayout makeSensorLayout(const std::vector<Recording>& recordings, const MountModel& model) {
+    SensorLayout layout;
+    for (const Part part : {Part::mobile, Part::fixed})
+        for (const Derivative derivative : {Derivative::displacement, Derivative::acceleration}) {
+            SensorGroup group{part, derivative, {}};
+            const auto group_index = static_cast<int>(layout.groups.size());
+            const std::string side = part == Part::mobile ? "mobile." : "fixed.";
+            for (const Recording& recording : recordings)
+                for (const MarkerChannel& marker : collectChannels(recording, model, part, derivative).channels) {
+                    if (layout.findChannel(marker.name) >= 0) continue;
+                    SensorChannel channel;
+                    channel.name = marker.name;
+                    channel.group = group_index;
+                    channel.position = marker.position;
+                    channel.direction = marker.direction;
+                    channel.turning = marker.turning;
+                    // An accelerometer and the marker beside it are two sensors at two places.
+                    const std::string triax =
+                        side + marker.station + (derivative == Derivative::acceleration ? ".a" : "");
+                    channel.station = indexOf(
+                        layout.stations, triax, [](const std::string& s) { return s; }, triax);
+                    channel.triax = indexOf(
+                        layout.triaxes, triax, [](const SensorTriax& t) { return t.name; },
+                        SensorTriax{triax, group_index});
+                    group.channels.push_back(static_cast<int>(layout.channels.size()));
+                    layout.channels.push_back(channel);
+                }
+            if (!group.channels.empty()) layout.groups.push_back(group);
+        }
+    addBase(recordings, layout);
+    return layout;
+}
+
+SensorErrors::SensorErrors(const SensorLayout& layout)
+    : gain(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.channels.size()))),
+      delay(gain),
+      rotation(Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(layout.triaxes.size()))),
+      place(Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(layout.stations.size()))) {}
+
+bool SensorErrors::operator==(const SensorErrors& other) const {
+    return gain == other.gain && delay == other.delay && rotation == other.rotation && place == other.place &&
+           corner == other.corner;
+}
+
+bool SensorErrors::isZero() const {
+    return gain.isZero(0.0) && delay.isZero(0.0) && rotation.isZero(0.0) && place.isZero(0.0) && corner[0] == 0 &&
+           corner[1] == 0;
+}
+
+Recording correctSensors(const Recording& recording, const SensorLayout& layout, const SensorErrors& errors,
+                         const RunMotion* motion) {
+    Recording result = recording;
+    if (errors.isZero()) return result;
+    const double interval = recording.sampleInterval();
+    std::vector<std::array<Channel*, 3>> triads(layout.triaxes.size(), {nullptr, nullptr, nullptr});
+    for (Channel& channel : result.channels) {
+        const int index = layout.findChannel(channel.name);
+        if (index < 0) continue;
+        const SensorChannel& sensor = layout.channels[static_cast<std::size_t>(index)];
+        const SensorGroup& group = layout.groups[static_cast<std::size_t>(sensor.group)];
+        const double gain = 1 + errors.gain[index];
+        if (gain != 1)
+            for (double& value : channel.values) value /= gain;
+        if (errors.delay[index] != 0) channel.values = shiftSamples(channel.values, errors.delay[index] / interval);
+        const double corner = errors.corner[group.part == Part::mobile ? 0 : 1];
+        if (group.derivative == Derivative::acceleration && corner != 0)
+            removeHighPass(channel.values, corner, interval);
+        for (int a = 0; a < 3; ++a)
+            if (sensor.direction == Eigen::Vector3d::Unit(a))
+                triads[static_cast<std::size_t>(sensor.triax)][static_cast<std::size_t>(a)] = &channel;
+    }
+    for (std::size_t t = 0; t < triads.size(); ++t) {
+        const auto& triad = triads[t];
+        const Eigen::Vector3d rotation = errors.rotation.col(static_cast<Eigen::Index>(t));
+        if (!triad[0] || !triad[1] || !triad[2] || rotation.isZero(0.0)) continue;
+        const Eigen::Matrix3d back = rotationFromVector(rotation).transpose();
+        for (std::size_t k = 0; k < triad[0]->values.size(); ++k) {
+            const Eigen::Vector3d v =
+                back * Eigen::Vector3d(triad[0]->values[k], triad[1]->values[k], triad[2]->values[k]);
+            for (std::size_t a = 0; a < 3; ++a) triad[a]->values[k] = v[static_cast<Eigen::Index>(a)];
+        }
+    }
+    if (motion == nullptr) return result;
+    std::map<std::pair<Part, Derivative>, std::vector<Eigen::Matrix3d>> effects;
+    for (Channel& channel : result.channels) {
+        const int index = layout.findChannel(channel.name);
+        if (index < 0) continue;
+        const SensorChannel& sensor = layout.channels[static_cast<std::size_t>(index)];
+        const SensorGroup& group = layout.groups[static_cast<std::size_t>(sensor.group)];
+        const auto& triad = triads[static_cast<std::size_t>(sensor.triax)];
+        const Eigen::Vector3d place = errors.place.col(sensor.station);
+        Eigen::Vector3d rotation = errors.rotation.col(sensor.triax);
+        if (triad[0] && triad[1] && triad[2]) rotation.setZero();  // done above
+        if (place.isZero(0.0) && rotation.isZero(0.0)) continue;
+        const PartMotion& part = group.part == Part::mobile ? motion->mobile : motion->fixed;
+        if (!place.isZero(0.0)) {
+            auto& effect = effects[{group.part, group.derivative}];
+            if (effect.empty()) effect = calcPlaceEffect(part, group.derivative);
+            for (std::size_t k = 0; k < channel.values.size(); ++k)
+                channel.values[k] -= sensor.direction.dot(effect[k] * place);
+        }
+        if (rotation.isZero(0.0)) continue;
+        for (std::size_t k = 0; k < channel.values.size(); ++k)
+            channel.values[k] -= sensor.direction.dot(rotation.cross(
+                calcPointMotion(part, group.derivative, sensor.position + place, static_cast<Eigen::Index>(k))));
+    }
+    return result;
+}
+
+}  // namespace wems::identify

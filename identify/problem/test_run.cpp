@@ -1,0 +1,112 @@
+#include "identify/problem/test_run.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "identify/motion/uniform_time.hpp"
+#include "models/bryant.hpp"
+#include "models/error.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr double kSpectrumBands = 4;  // bands of the noise's spectrum below the lowest excited frequency
+constexpr double kLeastNoise = 1e-7;  // of a channel's RMS: what a file of seven digits rounds off
+constexpr double kUnseen = 1e-10;     // relative singular value of motions that channels do not show
+
+/// Channels minus the best rigid motion, with the turning of the part taken exactly.
+Eigen::MatrixXd calcRigidResidual(const SensorLayout& layout, const GroupSamples& samples, const SensorGroup& group,
+                                  const PartMotion& part, int& freedom) {
+    Eigen::MatrixXd residual = samples.values;
+    for (Eigen::Index k = 0; k < residual.cols(); ++k) {
+        const Eigen::Matrix3d R = rotationFromVector(part.theta.col(k));
+        for (std::size_t c = 0; c < samples.channels.size(); ++c)
+            residual(static_cast<Eigen::Index>(c), k) -=
+                calcChannelMotion(layout.channels[static_cast<std::size_t>(samples.channels[c])], group.derivative, R,
+                                  part.p.col(k), part.w.col(k), part.a.col(k), part.alpha.col(k));
+    }
+    const Eigen::MatrixXd design = makeChannelDesign(layout, samples.channels);
+    const Eigen::BDCSVD<Eigen::MatrixXd> svd(design, Eigen::ComputeThinU);
+    residual.colwise() -= residual.rowwise().mean().eval();  // displacements count from rest
+    const auto rank = (svd.singularValues().array() > kUnseen * svd.singularValues()[0]).count();
+    const Eigen::MatrixXd basis = svd.matrixU().leftCols(rank);
+    freedom = static_cast<int>(design.rows() - rank);
+    if (freedom <= 0) return samples.values;
+    return residual - basis * (basis.transpose() * residual);
+}
+
+double meanSquare(const Eigen::MatrixXd& values) {
+    return values.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, values.size()));
+}
+
+}  // namespace
+
+double calcChannelMotion(const SensorChannel& channel, Derivative derivative, const Eigen::Matrix3d& R,
+                         const Eigen::Vector3d& p, const Eigen::Vector3d& w, const Eigen::Vector3d& a,
+                         const Eigen::Vector3d& alpha) {
+    const Eigen::Vector3d r = R * channel.position;
+    const Eigen::Vector3d n = channel.turning ? Eigen::Vector3d(R * channel.direction) : channel.direction;
+    if (derivative == Derivative::displacement) return n.dot(p + r - channel.position);
+    return n.dot(a + alpha.cross(r) + w.cross(w.cross(r)));
+}
+
+GroupSamples collectGroup(const Recording& recording, const SensorLayout& layout, int group) {
+    GroupSamples result;
+    std::vector<const Channel*> found;
+    for (const int index : layout.groups[static_cast<std::size_t>(group)].channels)
+        if (const Channel* channel = recording.find(layout.channels[static_cast<std::size_t>(index)].name)) {
+            result.channels.push_back(index);
+            found.push_back(channel);
+        }
+    result.values.resize(static_cast<Eigen::Index>(found.size()), static_cast<Eigen::Index>(recording.sampleCount()));
+    for (std::size_t i = 0; i < found.size(); ++i)
+        result.values.row(static_cast<Eigen::Index>(i)) = Eigen::Map<const Eigen::RowVectorXd>(
+            found[i]->values.data(), static_cast<Eigen::Index>(found[i]->values.size()));
+    return result;
+}
+
+Eigen::MatrixXd makeChannelDesign(const SensorLayout& layout, const std::vector<int>& channels) {
+    Eigen::MatrixXd design(static_cast<Eigen::Index>(channels.size()), 6);
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        const auto& channel = layout.channels[static_cast<std::size_t>(channels[i])];
+        design.row(static_cast<Eigen::Index>(i)) << channel.direction.transpose(),
+            channel.position.cross(channel.direction).transpose();
+    }
+    return design;
+}
+
+TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, const MountModel& believed) {
+    TestRun run;
+    std::vector<std::string> notes;
+    run.recording = makeUniform(recording, notes);
+    run.swept = findSweptFrequency(run.recording);
+    if (!(run.swept.lowest > 0) || !(run.swept.highest > run.swept.lowest * (1 + 1e-9)))
+        throw InputError({recording.file, 0, {}},
+                         "no motion stands out from the noise, so that nothing is known of the mount",
+                         "a recording in which the device is driven or rings");
+    run.band = {run.swept.lowest, run.swept.highest};
+    run.motion = estimateMotion(run.recording, believed);
+    const double interval = run.motion.interval, resolution = run.band.lowest / kSpectrumBands;
+    for (std::size_t g = 0; g < layout.groups.size(); ++g) {
+        const GroupSamples samples = collectGroup(run.recording, layout, static_cast<int>(g));
+        if (samples.empty()) {
+            run.noise.emplace_back(0.0);
+            continue;
+        }
+        const auto& group = layout.groups[g];
+        int freedom = 0;
+        const Eigen::MatrixXd residual = calcRigidResidual(
+            layout, samples, group, group.part == Part::mobile ? run.motion.mobile : run.motion.fixed, freedom);
+        const double least = kLeastNoise * kLeastNoise * meanSquare(samples.values);
+        // Without redundancy the channels themselves, in the quarter of the time in which a band is quietest.
+        run.noise.emplace_back(residual, freedom > 0 ? freedom : static_cast<int>(residual.rows()), interval,
+                               resolution, least);
+    }
+    if (run.motion.load.cols() > 0)
+        run.load_noise = NoiseDensity(run.motion.load, 3, interval, resolution,
+                                      kLeastNoise * kLeastNoise * meanSquare(run.motion.load));
+    return run;
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,225 @@
+#include "identify/solve/evidence.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+namespace wems::identify {
+namespace {
+
+double logDeterminant(const Eigen::LLT<Eigen::MatrixXd>& factor) {
+    return 2 * factor.matrixLLT().diagonal().array().log().sum();
+}
+
+}  // namespace
+
+Evidence::Evidence(const BlockInformation& information, const Eigen::VectorXd& deviation,
+                   const std::vector<Hypothesis>& hypotheses)
+    : information_(information), hypotheses_(&hypotheses), deviation_(deviation) {
+    for (Eigen::Index i = 0; i < deviation.size(); ++i)
+        if (deviation[i] > 0) active_.push_back(i);
+    Eigen::Index count = 0;
+    for (const auto& hypothesis : hypotheses) {
+        first_.push_back(count);
+        count += static_cast<Eigen::Index>(hypothesis.directions.size());
+    }
+    first_.push_back(count);
+    directions_ = Eigen::MatrixXd::Zero(deviation.size(), count);
+    for (std::size_t h = 0; h < hypotheses.size(); ++h)
+        for (std::size_t d = 0; d < hypotheses[h].directions.size(); ++d)
+            for (const auto& [column, weight] : hypotheses[h].directions[d])
+                directions_(column, first_[h] + static_cast<Eigen::Index>(d)) += weight;
+    const auto active = static_cast<Eigen::Index>(active_.size());
+    Eigen::MatrixXd V = Eigen::MatrixXd::Zero(deviation.size(), active + count);
+    for (Eigen::Index i = 0; i < active; ++i)
+        V(active_[static_cast<std::size_t>(i)], i) = deviation[active_[static_cast<std::size_t>(i)]];
+    V.rightCols(count) = directions_;
+    gram_ = V.transpose() * (information.A * V);
+    right_ = -V.transpose() * information.b;
+}
+
+std::vector<Eigen::Index> Evidence::findRows(const HypothesisSet& set) const {
+    std::vector<Eigen::Index> rows;
+    const auto active = static_cast<Eigen::Index>(active_.size());
+    for (Eigen::Index i = 0; i < active; ++i) rows.push_back(i);
+    for (const int h : set)
+        for (Eigen::Index d = first_[static_cast<std::size_t>(h)]; d < first_[static_cast<std::size_t>(h) + 1]; ++d)
+            rows.push_back(active + d);
+    return rows;
+}
+
+double Evidence::calcOdds(const HypothesisSet& set) const {
+    double sum = 0;
+    for (const int h : set) sum += (*hypotheses_)[static_cast<std::size_t>(h)].log_prior;
+    return sum;
+}
+
+bool Evidence::mayJoin(const HypothesisSet& set, int hypothesis) const {
+    const Hypothesis& joining = (*hypotheses_)[static_cast<std::size_t>(hypothesis)];
+    return std::none_of(set.begin(), set.end(), [&](int member) {
+        const Hypothesis& other = (*hypotheses_)[static_cast<std::size_t>(member)];
+        if (member == hypothesis) return true;
+        return other.cause == joining.cause &&
+               std::any_of(other.where.begin(), other.where.end(), [&](const std::string& place) {
+                   return std::find(joining.where.begin(), joining.where.end(), place) != joining.where.end();
+               });
+    });
+}
+
+double Evidence::calcChange(const Eigen::VectorXd& estimate) const {
+    return 2 * information_.b.dot(estimate) + estimate.dot(information_.A * estimate);
+}
+
+double Evidence::calcLogEvidence(const HypothesisSet& set) const {
+    const auto rows = findRows(set);
+    Eigen::MatrixXd H = gram_(rows, rows);
+    H.diagonal().array() += 1;
+    const Eigen::LLT<Eigen::MatrixXd> factor(H);
+    const Eigen::VectorXd g = right_(rows);
+    return 0.5 * g.dot(factor.solve(g)) - 0.5 * logDeterminant(factor) + calcOdds(set);
+}
+
+SetSolution Evidence::solve(const HypothesisSet& set) const {
+    const auto rows = findRows(set);
+    Eigen::MatrixXd H = gram_(rows, rows);
+    H.diagonal().array() += 1;
+    const Eigen::LLT<Eigen::MatrixXd> factor(H);
+    const Eigen::VectorXd z = factor.solve(right_(rows));
+    SetSolution solution{Eigen::VectorXd::Zero(deviation_.size()), z.squaredNorm(),
+                         calcOdds(set) - 0.5 * logDeterminant(factor)};
+    const auto active = static_cast<Eigen::Index>(active_.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const Eigen::Index row = rows[i];
+        const double value = z[static_cast<Eigen::Index>(i)];
+        if (row < active)
+            solution.mean[active_[static_cast<std::size_t>(row)]] +=
+                deviation_[active_[static_cast<std::size_t>(row)]] * value;
+        else
+            solution.mean += directions_.col(row - active) * value;
+    }
+    return solution;
+}
+
+Posterior Evidence::calcPosterior(const HypothesisSet& set) const {
+    const auto rows = findRows(set);
+    const auto active = static_cast<Eigen::Index>(active_.size());
+    Eigen::MatrixXd V = Eigen::MatrixXd::Zero(deviation_.size(), static_cast<Eigen::Index>(rows.size()));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const Eigen::Index row = rows[i];
+        if (row < active)
+            V(active_[static_cast<std::size_t>(row)], static_cast<Eigen::Index>(i)) =
+                deviation_[active_[static_cast<std::size_t>(row)]];
+        else
+            V.col(static_cast<Eigen::Index>(i)) = directions_.col(row - active);
+    }
+    Eigen::MatrixXd H = gram_(rows, rows);
+    H.diagonal().array() += 1;
+    const Eigen::LLT<Eigen::MatrixXd> factor(H);
+    const Eigen::VectorXd g = right_(rows), z = factor.solve(g);
+    Posterior posterior;
+    posterior.mean = V * z;
+    posterior.covariance = V * factor.solve(V.transpose());
+    posterior.log_evidence = 0.5 * g.dot(z) - 0.5 * logDeterminant(factor) + calcOdds(set);
+    return posterior;
+}
+
+std::vector<double> Evidence::calcExtensions(const HypothesisSet& set) const {
+    const auto rows = findRows(set);
+    const auto active = static_cast<Eigen::Index>(active_.size());
+    const Eigen::Index count = directions_.cols();
+    Eigen::MatrixXd H = gram_(rows, rows);
+    H.diagonal().array() += 1;
+    const Eigen::LLT<Eigen::MatrixXd> factor(H);
+    const Eigen::VectorXd g = right_(rows), z = factor.solve(g);
+    const double base = 0.5 * g.dot(z) - 0.5 * logDeterminant(factor) + calcOdds(set);
+    const Eigen::MatrixXd cross = gram_(rows, Eigen::seqN(active, count));
+    const Eigen::MatrixXd solved = factor.matrixL().solve(cross);
+    const Eigen::VectorXd beta = right_.tail(count) - cross.transpose() * z;
+    std::vector<double> result(hypotheses_->size(), -std::numeric_limits<double>::infinity());
+    for (std::size_t h = 0; h < hypotheses_->size(); ++h) {
+        if (!mayJoin(set, static_cast<int>(h))) continue;
+        const Eigen::Index first = first_[h], size = first_[h + 1] - first;
+        Eigen::MatrixXd S = gram_.block(active + first, active + first, size, size) -
+                            solved.middleCols(first, size).transpose() * solved.middleCols(first, size);
+        S.diagonal().array() += 1;
+        const Eigen::LLT<Eigen::MatrixXd> own(S);
+        const Eigen::VectorXd b = beta.segment(first, size);
+        result[h] = base + 0.5 * b.dot(own.solve(b)) - 0.5 * logDeterminant(own) + (*hypotheses_)[h].log_prior;
+    }
+    return result;
+}
+
+std::vector<RankedSet> Evidence::search(const std::vector<HypothesisSet>& starts, std::size_t width,
+                                        std::size_t largest) const {
+    std::map<HypothesisSet, double> known;
+    std::set<HypothesisSet> expanded;
+    const auto remember = [&](const HypothesisSet& set) {
+        if (known.count(set) == 0) known[set] = calcLogEvidence(set);
+    };
+    remember({});
+    for (const auto& start : starts) remember(start);
+    const auto best = [&](std::size_t count) {
+        std::vector<RankedSet> ranked;
+        for (const auto& [members, evidence] : known) ranked.push_back({members, evidence});
+        std::sort(ranked.begin(), ranked.end(),
+                  [](const RankedSet& a, const RankedSet& b) { return a.log_evidence > b.log_evidence; });
+        if (ranked.size() > count) ranked.resize(count);
+        return ranked;
+    };
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (const RankedSet& ranked : best(width)) {
+            if (!expanded.insert(ranked.members).second) continue;
+            changed = true;
+            // Without each member, which also opens the way to exchanges; then what joins best.
+            for (std::size_t i = 0; i < ranked.members.size(); ++i) {
+                HypothesisSet less = ranked.members;
+                less.erase(less.begin() + static_cast<long>(i));
+                remember(less);
+                if (!expanded.insert(less).second) continue;
+                const auto joined = calcExtensions(less);
+                for (std::size_t h = 0; h < joined.size(); ++h) {
+                    if (!std::isfinite(joined[h])) continue;
+                    HypothesisSet more = less;
+                    more.insert(std::lower_bound(more.begin(), more.end(), static_cast<int>(h)), static_cast<int>(h));
+                    known.emplace(more, joined[h]);
+                }
+            }
+            if (ranked.members.size() >= largest) continue;
+            const auto joined = calcExtensions(ranked.members);
+            for (std::size_t h = 0; h < joined.size(); ++h) {
+                if (!std::isfinite(joined[h])) continue;
+                HypothesisSet more = ranked.members;
+                more.insert(std::lower_bound(more.begin(), more.end(), static_cast<int>(h)), static_cast<int>(h));
+                known.emplace(more, joined[h]);
+            }
+        }
+    }
+    return best(known.size());
+}
+
+BlockInformation shiftToBelieved(const BlockInformation& about_state, const Eigen::VectorXd& offset) {
+    BlockInformation shifted = about_state;
+    if (shifted.empty()) return shifted;
+    const Eigen::VectorXd moved = about_state.A * offset;
+    shifted.chi_squared += 2 * about_state.b.dot(offset) + offset.dot(moved);
+    shifted.b += moved;
+    return shifted;
+}
+
+Information shiftToBelieved(const Information& about_state, const Eigen::VectorXd& offset) {
+    Information shifted;
+    for (std::size_t k = 0; k < kBlocks; ++k) shifted[k] = shiftToBelieved(about_state[k], offset);
+    return shifted;
+}
+
+double calcBlockMisfit(const BlockInformation& block, const Eigen::VectorXd& estimate) {
+    if (block.empty()) return 0;
+    return (block.chi_squared + 2 * block.b.dot(estimate) + estimate.dot(block.A * estimate)) / block.count;
+}
+
+}  // namespace wems::identify

@@ -1,0 +1,87 @@
+/// @file
+/// Which set of hypotheses the recordings speak for, and what the unknowns are then.
+///
+/// The unknowns are ε = T^½ ζ + Σ_h W_h z_h, ζ and z standard normal: tolerances, and what each hypothesis of a set
+/// adds. With V = [T^½ W], H = VᵀA V + 1 and g = −Vᵀ b of an information about the believed state
+///
+///     log p(data | set) = ½ gᵀ H⁻¹ g − ½ log |H| + const,      ε̂ = V H⁻¹ g,      cov ε = V H⁻¹ Vᵀ
+///
+/// (Laplace; MacKay 1992, doi:10.1162/neco.1992.4.3.415; Beck and Yuen 2004,
+/// doi:10.1061/(ASCE)0733-9399(2004)130:2(192)). All products VᵀA V are formed once; a set is then one small Cholesky
+/// factor, and all that could join it are the Schur complements of one more solve.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "identify/problem/information.hpp"
+#include "identify/solve/hypothesis.hpp"
+
+namespace wems::identify {
+
+/// Unknowns and their uncertainty under a set.
+struct Posterior {
+    Eigen::VectorXd mean;        ///< of each column, from the believed state
+    Eigen::MatrixXd covariance;  ///< of each column
+    double log_evidence = 0;
+};
+
+/// The estimate of a set and what it costs.
+struct SetSolution {
+    Eigen::VectorXd mean;     ///< of each column, from the believed state
+    double prior_square = 0;  ///< ζ² + z² of it
+    double occam = 0;         ///< −½ log |H| + log odds of the members
+};
+
+struct RankedSet {
+    HypothesisSet members;
+    double log_evidence = 0;  ///< of the data, and of the set: log odds of the members included
+};
+
+class Evidence {
+public:
+    /// @param information about the believed state, one entry for each column
+    /// @param deviation prior standard deviation of each column, 0 = known
+    Evidence(const BlockInformation& information, const Eigen::VectorXd& deviation,
+             const std::vector<Hypothesis>& hypotheses);
+
+    double calcLogEvidence(const HypothesisSet& set) const;
+    Posterior calcPosterior(const HypothesisSet& set) const;
+    SetSolution solve(const HypothesisSet& set) const;
+
+    /// Twice what the quadratic of the information says of a point, beside its χ²: 2 bᵀε + εᵀA ε.
+    double calcChange(const Eigen::VectorXd& estimate) const;
+
+    /// log evidence (data and odds) of `set` with each other hypothesis added; −∞ where it cannot join: it is a member,
+    /// or makes the same statement of a place that a member does.
+    std::vector<double> calcExtensions(const HypothesisSet& set) const;
+
+    /// Beam search from `start` and from nothing: additions, removals and exchanges, until no set of the beam changes.
+    /// @return sets by falling evidence
+    std::vector<RankedSet> search(const std::vector<HypothesisSet>& starts, std::size_t width,
+                                  std::size_t largest) const;
+
+private:
+    std::vector<Eigen::Index> findRows(const HypothesisSet& set) const;
+    double calcOdds(const HypothesisSet& set) const;
+    bool mayJoin(const HypothesisSet& set, int hypothesis) const;
+
+    BlockInformation information_;
+    const std::vector<Hypothesis>* hypotheses_;
+    Eigen::VectorXd deviation_;
+    std::vector<Eigen::Index> active_;  // columns with a tolerance
+    std::vector<Eigen::Index> first_;   // of each hypothesis' directions, in the rows below
+    Eigen::MatrixXd gram_;              // VᵀAV of the active columns and all directions
+    Eigen::VectorXd right_;             // −Vᵀ b
+    Eigen::MatrixXd directions_;        // columns x directions
+};
+
+/// An information about `state` carried to the believed values: columns' believed minus present values in `offset`.
+BlockInformation shiftToBelieved(const BlockInformation& about_state, const Eigen::VectorXd& offset);
+Information shiftToBelieved(const Information& about_state, const Eigen::VectorXd& offset);
+
+/// Misfit of one block at an estimate (from the believed state), per value.
+double calcBlockMisfit(const BlockInformation& block, const Eigen::VectorXd& estimate);
+
+}  // namespace wems::identify

@@ -1,0 +1,106 @@
+#include "identify/updating/naming.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace wems::identify::updating {
+namespace {
+
+/// Of a normal variable below z.
+double calcNormal(double z) {
+    return 0.5 * std::erfc(-z / std::sqrt(2.0));
+}
+
+const Unknown& rowOf(const TestProblem& problem, int index) {
+    return problem.table()[static_cast<std::size_t>(index)];
+}
+
+double toleranceOf(const Unknown& row) {
+    return 2 * row.deviation;
+}
+
+}  // namespace
+
+bool isSensorFault(const Hypothesis& hypothesis) {
+    return hypothesis.cause.rfind("sensor_", 0) == 0;
+}
+
+bool isToleranced(const TestProblem& problem, const Hypothesis& hypothesis) {
+    // A column beyond the table that moves none of its rows, as a gain over frequency, is a mechanism.
+    if (hypothesis.moves.empty())
+        for (const Direction& direction : hypothesis.directions)
+            for (const auto& [column, weight] : direction)
+                if (static_cast<std::size_t>(column) >= problem.table().size()) return false;
+    return std::any_of(hypothesis.reported.begin(), hypothesis.reported.end(),
+                       [&](int index) { return rowOf(problem, index).deviation > 0; });
+}
+
+bool isBeyondTolerance(const TestProblem& problem, const Hypothesis& hypothesis, const TestPoint& point) {
+    if (!isToleranced(problem, hypothesis)) return true;
+    return std::any_of(hypothesis.reported.begin(), hypothesis.reported.end(), [&](int index) {
+        const Unknown& row = rowOf(problem, index);
+        return row.deviation > 0 && std::abs(point.values[index] - row.believed) > toleranceOf(row);
+    });
+}
+
+double calcBeyondProbability(const TestProblem& problem, const Hypothesis& hypothesis, const TestPoint& point,
+                             const Posterior& posterior) {
+    double largest = 0;
+    for (const int index : hypothesis.reported) {
+        const Unknown& row = rowOf(problem, index);
+        if (!(row.deviation > 0)) continue;
+        const double error = std::sqrt(std::max(0.0, posterior.covariance(index, index)));
+        const double excess = std::abs(point.values[index] - row.believed) - toleranceOf(row);
+        const double probability = error > 0 ? calcNormal(excess / error) : (excess > 0 ? 1.0 : 0.0);
+        largest = std::max(largest, probability);
+    }
+    return largest;
+}
+
+bool isPossible(const TestProblem& problem, const HypothesisSet& set, const Eigen::VectorXd& estimate) {
+    for (const int h : set)
+        for (const Direction& direction : problem.hypotheses()[static_cast<std::size_t>(h)].directions)
+            for (const auto& [column, weight] : direction) {
+                const auto row = static_cast<std::size_t>(column);
+                if (row >= problem.table().size()) continue;
+                const Unknown& number = problem.table()[row];
+                if (number.believed == number.least && estimate[column] < 0) return false;
+            }
+    return true;
+}
+
+TestPoint bringBack(const TestProblem& problem, const SetState& state, const Hypothesis& hypothesis) {
+    Eigen::VectorXd estimate = problem.estimateOf(state.point);
+    for (const int index : hypothesis.reported) {
+        const double tolerance = toleranceOf(rowOf(problem, index));
+        if (tolerance > 0) estimate[index] = std::clamp(estimate[index], -tolerance, tolerance);
+    }
+    return problem.pointAt(estimate, state.set);
+}
+
+TestPoint holdBack(const TestProblem& problem, const SetState& state, int member, const Evidence& evidence) {
+    const Hypothesis& hypothesis = problem.hypotheses()[static_cast<std::size_t>(member)];
+    HypothesisSet others = state.set;
+    others.erase(std::remove(others.begin(), others.end(), member), others.end());
+    Eigen::VectorXd estimate = problem.estimateOf(state.point);
+    if (!isToleranced(problem, hypothesis))
+        return problem.pointAt(estimate + evidence.solve(others).mean - evidence.solve(state.set).mean, others);
+    HypothesisSet with = others;
+    with.insert(std::lower_bound(with.begin(), with.end(), member), member);
+    std::vector<Eigen::Index> rows;
+    for (const int index : hypothesis.reported)
+        if (rowOf(problem, index).deviation > 0) rows.push_back(index);
+    Eigen::VectorXd change(static_cast<Eigen::Index>(rows.size()));
+    for (Eigen::Index i = 0; i < change.size(); ++i) {
+        const Eigen::Index row = rows[static_cast<std::size_t>(i)];
+        const double tolerance = toleranceOf(rowOf(problem, static_cast<int>(row)));
+        change[i] = std::clamp(estimate[row], -tolerance, tolerance) - estimate[row];
+    }
+    const Eigen::MatrixXd covariance = evidence.calcPosterior(with).covariance;
+    const Eigen::MatrixXd own = covariance(rows, rows);
+    estimate += covariance(Eigen::all, rows) * own.completeOrthogonalDecomposition().solve(change);
+    return problem.pointAt(estimate, with);
+}
+
+}  // namespace wems::identify::updating

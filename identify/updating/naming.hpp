@@ -1,0 +1,35 @@
+/// @file
+/// When a number is a cause: it lies beyond its tolerance, and the prediction needs it there (contract, section 5: a
+/// number that is off by less than its tolerance is no cause but an adjustment).
+#pragma once
+
+#include "identify/updating/settling.hpp"
+
+namespace wems::identify::updating {
+
+/// Of a sensor, whose faults free simulations need not show.
+bool isSensorFault(const Hypothesis& hypothesis);
+
+/// A number that the model or the measurement has, with a tolerance; anything else is a mechanism that the model lacks.
+bool isToleranced(const TestProblem& problem, const Hypothesis& hypothesis);
+
+/// Whether a number of the hypothesis lies beyond its tolerance (2 standard deviations of its prior); mechanisms always
+/// do.
+bool isBeyondTolerance(const TestProblem& problem, const Hypothesis& hypothesis, const TestPoint& point);
+
+/// Probability that a number of the hypothesis lies beyond its tolerance, on either side, the likeliest of them.
+double calcBeyondProbability(const TestProblem& problem, const Hypothesis& hypothesis, const TestPoint& point,
+                             const Posterior& posterior);
+
+/// Whether mechanisms come out with the sign that they can have.
+bool isPossible(const TestProblem& problem, const HypothesisSet& set, const Eigen::VectorXd& estimate);
+
+/// The point with the numbers of a hypothesis brought back to their tolerance, all else as it is.
+TestPoint bringBack(const TestProblem& problem, const SetState& state, const Hypothesis& hypothesis);
+
+/// The point without one cause of a state, all other numbers following by first order: what has a tolerance is brought
+/// back to it, a mechanism is left out.
+/// @param evidence of the state's view, with all hypotheses
+TestPoint holdBack(const TestProblem& problem, const SetState& state, int member, const Evidence& evidence);
+
+}  // namespace wems::identify::updating

@@ -1,0 +1,71 @@
+#include "identify/updating/remainder_place.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <complex>
+
+#include "models/axis_names.hpp"
+
+namespace wems::identify::updating {
+namespace {
+
+constexpr double kAloneShare = 0.7;  // share of the residual that one axis must carry alone
+constexpr double kNoticeable = 0.2;  // share of the connection's that an axis must carry to be named
+constexpr double kRegime = 0.7;      // share of the power within contact, or outside, that makes it the regime
+
+/// Share (0 … 1) of what exceeds the noise that lies in the span of the whitened directions of some axes.
+double calcShare(const TestView& view, const std::vector<std::size_t>& axes) {
+    double inside = 0, total = 0;
+    for (const LinearisedRun& run : view.runs)
+        for (Eigen::Index b = 0; b < run.mount_residual.cols(); ++b) {
+            Eigen::MatrixXcd span(6, static_cast<Eigen::Index>(axes.size()));
+            for (std::size_t i = 0; i < axes.size(); ++i)
+                span.col(static_cast<Eigen::Index>(i)) = run.axis_directions[axes[i]].col(b);
+            const Eigen::VectorXcd y = run.mount_residual.col(b);
+            const Eigen::VectorXcd right = span.adjoint() * y;
+            const Eigen::MatrixXcd normal = span.adjoint() * span;
+            inside += right.dot(normal.ldlt().solve(right)).real() - static_cast<double>(axes.size());
+            total += y.squaredNorm() - 6;
+        }
+    return total > 0 ? std::clamp(inside / total, 0.0, 1.0) : 0.0;
+}
+
+}  // namespace
+
+std::vector<std::string> locateRemainder(const TestView& view, const std::vector<double>& misfit,
+                                         const MountModel& model) {
+    if (misfit[static_cast<std::size_t>(Block::bracket)] > 3 * misfit[static_cast<std::size_t>(Block::mount)] &&
+        misfit[static_cast<std::size_t>(Block::bracket)] > 1)
+        return {"bracket"};
+    const auto nameOf = [&](std::size_t axis) { return model.connections[axis / 3].name + "." + kAxes[axis % 3]; };
+    std::vector<std::pair<double, std::size_t>> single;
+    for (std::size_t axis = 0; axis < 3 * model.connections.size(); ++axis)
+        single.emplace_back(calcShare(view, {axis}), axis);
+    std::sort(single.rbegin(), single.rend());
+    std::vector<std::string> places;
+    if (single.front().first > kAloneShare) {
+        places.push_back(nameOf(single.front().second));
+    } else {
+        std::size_t best = 0;
+        double best_share = -1;
+        for (std::size_t i = 0; i < model.connections.size(); ++i) {
+            const double share = calcShare(view, {3 * i, 3 * i + 1, 3 * i + 2});
+            if (share > best_share) {
+                best_share = share;
+                best = i;
+            }
+        }
+        double sum = 0;
+        for (const auto& [share, axis] : single)
+            if (axis / 3 == best) sum += share;
+        for (const auto& [share, axis] : single)
+            if (axis / 3 == best && share > kNoticeable * sum) places.push_back(nameOf(axis));
+    }
+    double contact = 0;
+    for (const LinearisedRun& run : view.runs) contact += run.contact_share / static_cast<double>(view.runs.size());
+    if (contact < kRegime) places.emplace_back("free");
+    if (contact > 1 - kRegime) places.emplace_back("contact");
+    return places;
+}
+
+}  // namespace wems::identify::updating

@@ -1,0 +1,49 @@
+/// @file
+/// Which causes the recordings speak for: rounds of linearisation, search by evidence, and moving to the best estimate.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "identify/diagnose/diagnosis.hpp"
+#include "identify/updating/settling.hpp"
+
+namespace wems::identify::updating {
+
+/// Misfit per value up to which equations of motion count as satisfied: noise, and what sampling makes of a stop, leave
+/// 0.9 to 2.1 on recordings of another simulator whose cause is known.
+inline constexpr double kSatisfied = 3;
+
+struct Selection {
+    SetState state;                 ///< with the causes, by the identification runs
+    TestPoint adjusted;             ///< with adjustments alone
+    std::vector<RankedSet> ranked;  ///< at the last linearisation, all runs together
+    Posterior posterior;            ///< of the identification runs
+    TestPoint fitted;               ///< of all runs together
+    /// Of all runs, and of the identification runs, as the noise alone would have it.
+    Posterior fitted_noise, noise;
+    std::vector<Decision> decisions;
+    /// Of causes that are numbers found beyond their tolerance: the probability that they are.
+    std::map<int, double> beyond;
+
+    /// Probability of a hypothesis: that it lies beyond its tolerance, or over the ranked sets.
+    double probabilityOf(int hypothesis) const;
+};
+
+/// Error of a free simulation of the runs that judge.
+using FreeJudge = std::function<double(const TestPoint&)>;
+
+/// @param progress may be empty
+Selection selectCauses(TestProblem& problem, const FreeJudge& judge,
+                       const std::function<void(const std::string&)>& progress);
+
+/// `clearance 4.z.+ 4.z.-`
+std::string describe(const Hypothesis& hypothesis);
+
+/// Evidence of all runs, or of the identification runs alone, at a view.
+Evidence makeEvidence(const TestProblem& problem, const TestView& view, const BlockScales& scales,
+                      bool with_validation);
+
+}  // namespace wems::identify::updating

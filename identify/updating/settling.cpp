@@ -1,0 +1,205 @@
+#include "identify/updating/settling.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace wems::identify::updating {
+namespace {
+
+constexpr int kHalvings = 2;
+constexpr double kSettled = 0.5;       // log evidence that a further step would still change
+constexpr double kWorthwhile = 0.003;  // of the cost: far from the noise, the last bit of a fit decides nothing
+// What a model leaves beyond the noise is alike at frequencies closer than this part of the lowest excited one.
+constexpr double kAlike = 0.2;
+// Of the gain that the quadratic promises, what must be there for a step to be taken (Armijo's rule).
+constexpr double kPromised = 0.1;
+constexpr int kMostScalings = 30;
+constexpr double kScalesSettled = 0.02;  // relative change: evidence follows to 1 % of what it is
+
+/// How many neighbouring values what exceeds the noise has in common.
+double calcAlike(const TestProblem& problem) {
+    double alike = 1;
+    for (const TestRun& run : problem.runs()) {
+        const double duration = run.motion.time.back() - run.motion.time.front();
+        alike = std::max(alike, kAlike * run.band.lowest * duration);
+    }
+    return alike;
+}
+
+bool areAlike(const BlockScales& a, const BlockScales& b) {
+    for (std::size_t k = 0; k < kBlocks; ++k)
+        if (std::abs(a[k].scale - b[k].scale) > kScalesSettled * a[k].scale) return false;
+    return true;
+}
+
+std::vector<Hypothesis> collect(const TestProblem& problem, const HypothesisSet& set) {
+    std::vector<Hypothesis> members;
+    for (const int h : set) members.push_back(problem.hypotheses()[static_cast<std::size_t>(h)]);
+    return members;
+}
+
+/// C⁻¹ ε on the columns that a set moves, C their prior covariance: the slope of −log prior there.
+Eigen::VectorXd calcPriorSlope(const TestProblem& problem, const Eigen::VectorXd& estimate, const HypothesisSet& set) {
+    const Eigen::VectorXd deviation = problem.deviations();
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(deviation.size());
+    std::vector<char> member(static_cast<std::size_t>(deviation.size()), 0);
+    std::vector<Eigen::Index> freed;
+    for (const int h : set)
+        for (const auto& direction : problem.hypotheses()[static_cast<std::size_t>(h)].directions)
+            for (const auto& [column, weight] : direction)
+                if (!std::exchange(member[static_cast<std::size_t>(column)], 1)) freed.push_back(column);
+    for (Eigen::Index i = 0; i < deviation.size(); ++i)
+        if (deviation[i] > 0 && !member[static_cast<std::size_t>(i)])
+            slope[i] = estimate[i] / (deviation[i] * deviation[i]);
+    if (freed.empty()) return slope;
+    Eigen::MatrixXd C = deviation(freed).cwiseAbs2().asDiagonal();
+    for (const int h : set)
+        for (const auto& direction : problem.hypotheses()[static_cast<std::size_t>(h)].directions) {
+            Eigen::VectorXd along = Eigen::VectorXd::Zero(C.rows());
+            for (const auto& [column, weight] : direction)
+                along[std::find(freed.begin(), freed.end(), column) - freed.begin()] += weight;
+            C += along * along.transpose();
+        }
+    const Eigen::VectorXd size = C.diagonal().cwiseSqrt();
+    const Eigen::MatrixXd scaled = size.cwiseInverse().asDiagonal() * C * size.cwiseInverse().asDiagonal();
+    slope(freed) = size.cwiseInverse().cwiseProduct(
+        scaled.completeOrthogonalDecomposition().solve(estimate(freed).cwiseQuotient(size)));
+    return slope;
+}
+
+}  // namespace
+
+Information sumOf(const TestView& view, bool with_validation) {
+    Information all = view.identification;
+    if (with_validation) add(all, view.validation);
+    return all;
+}
+
+std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& estimate) {
+    std::vector<double> misfits;
+    for (std::size_t k = 0; k < kBlocks; ++k) misfits.push_back(calcBlockMisfit(all[k], estimate));
+    return misfits;
+}
+
+SetEvidence::SetEvidence(const TestProblem& problem, const Information& all, const BlockScales& scales,
+                         const HypothesisSet& set)
+    : members_(collect(problem, set)),
+      evidence_(combine(all, scales, problem.reaches()), problem.deviations(), members_) {
+    for (std::size_t i = 0; i < members_.size(); ++i) all_.push_back(static_cast<int>(i));
+}
+
+Settler::Settler(const TestProblem& problem) : problem_(problem), alike_(calcAlike(problem)) {}
+
+BlockScales Settler::scalesOf(const std::vector<double>& misfits) const {
+    BlockScales scales;
+    for (std::size_t k = 0; k < kBlocks; ++k) {
+        scales[k].scale = 1 + std::max(0.0, misfits[k] - 1) * alike_;
+        scales[k].level = std::max(0.0, misfits[k]);
+    }
+    return scales;
+}
+
+/// −2 log likelihood of blocks whose scale is not known but follows from their misfit: the integral of dχ² / scale.
+double Settler::calcCost(const Information& all, const std::vector<double>& misfits) const {
+    double cost = 0;
+    for (std::size_t k = 0; k < kBlocks; ++k) {
+        const double excess = misfits[k] - 1;
+        cost += all[k].count * (excess > 0 ? std::log1p(alike_ * excess) / alike_ : excess);
+    }
+    return cost;
+}
+
+/// Scales at which a set's estimate leaves what they say, by the quadratic. From those of a perfect model upwards, so
+/// that a set is given the chance to explain before what it leaves is called discrepancy.
+BlockScales Settler::settleScales(const Information& all, const HypothesisSet& set) const {
+    BlockScales scales;
+    for (int pass = 0; pass < kMostScalings; ++pass) {
+        const BlockScales next = scalesOf(calcMisfits(all, SetEvidence(problem_, all, scales, set).solve().mean));
+        const bool settled = areAlike(scales, next);
+        scales = next;
+        if (settled) break;
+    }
+    return scales;
+}
+
+double Settler::calcExcess(const TestView& view, const TestPoint& point, const Eigen::VectorXd& estimate,
+                           const BlockScales& scales, bool with_validation) const {
+    // Sensors are linear, but their columns hold less noise than their channels: they stay where the view has them.
+    TestPoint moved = point;
+    Eigen::VectorXd at = estimate;
+    const Eigen::VectorXd present = problem_.estimateOf(view.at);
+    moved.state.sensors = view.at.state.sensors;
+    for (std::size_t i = 0; i < problem_.table().size(); ++i)
+        if (problem_.table()[i].kind >= UnknownKind::channel_gain)
+            at[static_cast<Eigen::Index>(i)] = present[static_cast<Eigen::Index>(i)];
+    const TestMisfit misfit = problem_.misfit(moved, view);
+    Information actual = misfit.identification;
+    if (with_validation) add(actual, misfit.validation);
+    const Information quadratic = sumOf(view, with_validation);
+    double excess = 0;
+    for (std::size_t k = 0; k < kBlocks; ++k)
+        if (!actual[k].empty())
+            excess +=
+                (actual[k].chi_squared - calcBlockMisfit(quadratic[k], at) * quadratic[k].count) / scales[k].scale;
+    return excess;
+}
+
+void Settler::settle(SetState& state, int most, bool with_validation) const {
+    for (int pass = 0; pass < most; ++pass)
+        if (!improve(state, with_validation)) break;
+    state.scales = scalesOf(calcMisfits(sumOf(state.view, true), problem_.estimateOf(state.point)));
+}
+
+/// The point towards which a quadratic leads, as far as the equations themselves bear out what it promises.
+/// @return false if no share of the way is worth it
+bool Settler::advance(const TestView& view, const Information& all, const HypothesisSet& set, const BlockScales& scales,
+                      double least, bool with_validation, TestPoint& point) const {
+    const SetEvidence evidence(problem_, all, scales, set);
+    const Eigen::VectorXd present = problem_.estimateOf(point), target = evidence.solve().mean;
+    const auto objective = [&](const Eigen::VectorXd& at) {
+        return evidence.calcChange(at) + calcPriorSquare(at, set);
+    };
+    const double here = objective(present);
+    if (here - objective(target) < least) return false;
+    const double own = calcExcess(view, point, present, scales, with_validation);
+    double share = 1;
+    for (int halving = 0; halving <= kHalvings; ++halving, share *= 0.5) {
+        const Eigen::VectorXd at = present + share * (target - present);
+        TestPoint next = problem_.pointAt(at, set);
+        const double gain = here - objective(at);
+        const double excess = calcExcess(view, next, at, scales, with_validation) - own;
+        if (!(gain - excess > kPromised * gain)) continue;
+        point = std::move(next);
+        return true;
+    }
+    return false;
+}
+
+/// A step of the set: with the discrepancy that its estimate would leave, or with the present one.
+bool Settler::improve(SetState& state, bool with_validation) const {
+    const Information all = sumOf(state.view, with_validation);
+    const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(state.point));
+    const double least = std::max(2 * kSettled, kWorthwhile * calcCost(all, misfits));
+    for (const BlockScales& scales : {settleScales(all, state.set), scalesOf(misfits)})
+        if (advance(state.view, all, state.set, scales, least, with_validation, state.point)) {
+            state.view = problem_.view(state.point, state.set);
+            return true;
+        }
+    return false;
+}
+
+TestPoint Settler::refine(TestPoint point, const HypothesisSet& set, const BlockScales& scales, int most) const {
+    for (int pass = 0; pass < most; ++pass) {
+        const TestView view = problem_.view(point, set);
+        if (!advance(view, sumOf(view, true), set, scales, 2 * kSettled, true, point)) break;
+    }
+    return point;
+}
+
+double Settler::calcPriorSquare(const Eigen::VectorXd& estimate, const HypothesisSet& set) const {
+    return estimate.dot(calcPriorSlope(problem_, estimate, set));
+}
+
+}  // namespace wems::identify::updating

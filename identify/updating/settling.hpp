@@ -1,0 +1,78 @@
+/// @file
+/// The most probable numbers of one set of causes: Gauss–Newton steps on the posterior, each tried by the equations
+/// themselves, with the size of the discrepancy following what the set leaves.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "identify/updating/test_problem.hpp"
+
+namespace wems::identify::updating {
+
+/// A set of causes, where its numbers lie, and what all runs say about that point.
+struct SetState {
+    HypothesisSet set;
+    TestPoint point;
+    TestView view;  ///< at `point`
+    BlockScales scales;
+};
+
+/// The evidence of one set alone: its members, and nothing else to weigh.
+class SetEvidence {
+public:
+    SetEvidence(const TestProblem& problem, const Information& all, const BlockScales& scales,
+                const HypothesisSet& set);
+    SetEvidence(const SetEvidence&) = delete;
+    SetEvidence& operator=(const SetEvidence&) = delete;
+    SetSolution solve() const { return evidence_.solve(all_); }
+    double calcChange(const Eigen::VectorXd& estimate) const { return evidence_.calcChange(estimate); }
+    Posterior calcPosterior() const { return evidence_.calcPosterior(all_); }
+
+private:
+    std::vector<Hypothesis> members_;
+    HypothesisSet all_;
+    Evidence evidence_;
+};
+
+/// Runs of a view together: the identification runs, or all.
+Information sumOf(const TestView& view, bool with_validation);
+
+/// Misfit of each block at an estimate.
+std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& estimate);
+
+class Settler {
+public:
+    explicit Settler(const TestProblem& problem);
+
+    /// Steps until the next would change the evidence by less than a half, `most` at most. The view keeps the columns
+    /// of the set alone, if a step was taken.
+    void settle(SetState& state, int most, bool with_validation) const;
+
+    /// Up to `most` steps of a set from a point, at scales that are held.
+    TestPoint refine(TestPoint point, const HypothesisSet& set, const BlockScales& scales, int most) const;
+
+    /// Misfit of each block, and the scales that follow: what exceeds the noise comes in stretches that are alike, so
+    /// that it weighs as fewer values.
+    BlockScales scalesOf(const std::vector<double>& misfits) const;
+
+    /// How much more than its quadratic a view's misfit is at a point, each block over its scale: what the laws do
+    /// beyond first order.
+    double calcExcess(const TestView& view, const TestPoint& point, const Eigen::VectorXd& estimate,
+                      const BlockScales& scales, bool with_validation) const;
+
+    /// −2 log prior of an estimate under a set, but for a constant.
+    double calcPriorSquare(const Eigen::VectorXd& estimate, const HypothesisSet& set) const;
+
+private:
+    BlockScales settleScales(const Information& all, const HypothesisSet& set) const;
+    double calcCost(const Information& all, const std::vector<double>& misfits) const;
+    bool improve(SetState& state, bool with_validation) const;
+    bool advance(const TestView& view, const Information& all, const HypothesisSet& set, const BlockScales& scales,
+                 double least, bool with_validation, TestPoint& point) const;
+
+    const TestProblem& problem_;
+    double alike_ = 1;
+};
+
+}  // namespace wems::identify::updating

@@ -1,0 +1,95 @@
+/// @file
+/// All runs of a test with the unknowns of its model and sensors: what `diagnose` asks, and what a state answers.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "identify/catalogue/hypotheses.hpp"
+#include "identify/problem/linearised_run.hpp"
+#include "identify/solve/evidence.hpp"
+
+namespace wems::identify::updating {
+
+/// Values of all unknowns: the table's rows, and the load's gains over frequency.
+struct TestPoint {
+    TestState state{MountModel{}, SensorErrors(SensorLayout{})};
+    Eigen::VectorXd values;  ///< of each column; those of probes are zero
+};
+
+/// What all runs say about a point.
+struct TestView {
+    Information identification, validation;  ///< about the believed values
+    std::vector<LinearisedRun> runs;         ///< identification runs, then validation runs
+    TestPoint at;
+    std::shared_ptr<const std::vector<TestRun>> corrected;  ///< runs as exact sensors would have recorded them
+};
+
+struct TestMisfit {
+    Information identification, validation;
+};
+
+class TestProblem {
+public:
+    /// @throws InputError if the motion of a run cannot be recovered
+    TestProblem(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
+                const MountModel& model);
+
+    const UnknownTable& table() const { return table_; }
+    const std::vector<Hypothesis>& hypotheses() const { return catalogue_.hypotheses; }
+    const SensorLayout& layout() const { return layout_; }
+    const std::vector<TestRun>& runs() const { return runs_; }
+    std::size_t identificationCount() const { return identification_count_; }
+    /// Prior standard deviation of each column.
+    Eigen::VectorXd deviations() const;
+    /// The same where a column is free.
+    Eigen::VectorXd reaches() const;
+
+    TestPoint believedPoint() const;
+    /// Where an estimate (from the believed values) lies under a set of hypotheses. Values stay within their limits.
+    TestPoint pointAt(const Eigen::VectorXd& estimate, const HypothesisSet& set) const;
+    /// The inverse of pointAt within the limits: values minus believed ones.
+    Eigen::VectorXd estimateOf(const TestPoint& point) const;
+    /// m², of the displacement channels of the mobile and the fixed part of a run, over all frequencies.
+    std::array<double, 2> calcDisplacementNoise(std::size_t run) const;
+    /// Relative displacements of a run as exact sensors would have shown them (calcMeasuredRelative).
+    Eigen::MatrixXd calcExactRelative(std::size_t run, const TestPoint& point) const;
+    /// What the hypotheses and the table were before an adoption.
+    struct Memento {
+        std::vector<Hypothesis> hypotheses;
+        std::vector<double> believed;
+    };
+    /// What a taken hypothesis sought far from the state becomes part of the table; its directions are then tangents.
+    Memento adopt(const HypothesisSet& set);
+    void restore(const Memento& memento);
+
+    /// With the columns of all hypotheses.
+    TestView view(const TestPoint& point) const;
+    /// With those alone that tolerances and the members of a set move: for the steps of this set.
+    TestView view(const TestPoint& point, const HypothesisSet& set) const;
+    /// χ² and count of each block, without derivatives, weighed by the covariance of a view. Blocks of the sensors are
+    /// empty where the point has the view's sensors: they are the view's.
+    TestMisfit misfit(const TestPoint& point, const TestView& view) const;
+
+    /// The model of a point as it is written and simulated: without what has no force.
+    MountModel cleanModel(const TestPoint& point) const;
+
+private:
+    TestView view(const TestPoint& point, const ColumnSet& columns) const;
+    /// A run as exact sensors would have recorded it.
+    /// @param weighed whose gains the channels' noise has
+    TestRun correctRun(const TestRun& run, const TestPoint& point, const TestPoint& weighed) const;
+
+    MountModel believed_;
+    SensorLayout layout_;
+    std::vector<TestRun> runs_;
+    std::size_t identification_count_ = 0;
+    UnknownTable table_;
+    Catalogue catalogue_;
+};
+
+}  // namespace wems::identify::updating

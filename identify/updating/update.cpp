@@ -1,0 +1,314 @@
+#include "identify/updating/update.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identify/diagnose/free_error.hpp"
+#include "identify/updating/naming.hpp"
+#include "identify/updating/prediction.hpp"
+#include "identify/updating/remainder_place.hpp"
+#include "identify/updating/test_problem.hpp"
+#include "models/error.hpp"
+
+namespace wems::identify::updating {
+namespace {
+
+constexpr double kQuantile = 1.959963984540054;  // of 95 % of a normal variable
+constexpr double kLargestDecibels = 120.0;
+constexpr double kRivalProbability = 0.02;           // a set at least this likely makes its causes rivals
+constexpr unsigned kSeed = 20260101;                 // of the draws of the band: the same answer again
+constexpr double kFloors = 1.5, kLeastError = 0.03;  // contract, verdict: below these nothing is unexplained
+constexpr double kTold = 0.25;                       // of the prior variance, which the recordings leave of a number
+constexpr double kNoStop = 0.1;                      // of the believed stiffness: a stop that soft is none
+
+/// `body.center_of_gravity.z` → `z`, `body.mass` → `mass`, `load.gain` → `gain`; `mobile.1.a.rx` → `mobile.1.rx`.
+std::string reportName(const std::string& name) {
+    if (name.rfind("body.", 0) == 0 || name.rfind("load.", 0) == 0) return name.substr(name.rfind('.') + 1);
+    const auto at = name.find(".a.r");
+    return at == std::string::npos ? name : name.substr(0, at) + name.substr(at + 2);
+}
+
+std::string reportPlace(const std::string& place) {
+    const auto size = place.size();
+    return size > 2 && place.compare(size - 2, 2, ".a") == 0 ? place.substr(0, size - 2) : place;
+}
+
+double toDecibel(double ratio) {
+    return ratio > 0 ? std::clamp(20 * std::log10(ratio), -kLargestDecibels, kLargestDecibels) : 0;
+}
+
+class Diagnostician {
+public:
+    Diagnostician(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
+                  const MountModel& model, const DiagnosisOptions& options)
+        : model_(model), options_(options), problem_(identification, validation, model) {
+        for (std::size_t r = 0; r < problem_.runs().size(); ++r) {
+            const TestRun& run = problem_.runs()[r];
+            (r < identification.size() ? own_ : judging_)
+                .push_back({&run.motion, calcMeasuredRelative(run.recording, run.motion, model),
+                            problem_.calcDisplacementNoise(r)});
+            for (const auto& note : run.motion.notes)
+                if (std::find(result_.notes.begin(), result_.notes.end(), note) == result_.notes.end())
+                    result_.notes.push_back(note);
+        }
+        result_.validated = !validation.empty();
+        if (!result_.validated) judging_ = own_;
+    }
+
+    Diagnosis run() {
+        const FreeJudge predict = [&](const TestPoint& point) {
+            return calcFreeError(judging_, problem_.cleanModel(point)).error;
+        };
+        selection_ = selectCauses(problem_, predict, options_.progress);
+        tell("free simulations");
+        result_.extended = problem_.cleanModel(selection_.state.point);
+        addSensorFaults();
+        simulate();
+        addCauses();
+        addAdjustments();
+        judge();
+        result_.decisions = selection_.decisions;
+        result_.misfit_before = selection_.decisions.front().misfit.front();
+        result_.misfit_after = selection_.decisions.back().misfit.front();
+        return std::move(result_);
+    }
+
+private:
+    void tell(const std::string& text) const {
+        if (options_.progress) options_.progress(text);
+    }
+    const Hypothesis& at(int hypothesis) const { return problem_.hypotheses()[static_cast<std::size_t>(hypothesis)]; }
+    const Unknown& row(int index) const { return problem_.table()[static_cast<std::size_t>(index)]; }
+
+    GroupError errorOf(const MountModel& model, GroupError* floor) const {
+        const FreeError own = calcFreeError(own_, model), judging = calcFreeError(judging_, model);
+        if (floor != nullptr) *floor = {own.noise_floor, judging.noise_floor};
+        return {own.error, judging.error};
+    }
+
+    void simulate() {
+        result_.error_before = errorOf(model_, &result_.noise_floor);
+        result_.error_adjusted = errorOf(problem_.cleanModel(selection_.adjusted), nullptr);
+        result_.error_after = errorOf(result_.extended, nullptr);
+        tell("prediction band");
+        const double fitted = errorOf(problem_.cleanModel(selection_.fitted), nullptr).validation;
+        result_.prediction_band = calcBand(selection_.fitted, selection_.fitted_noise);
+        left_ = isLeft(std::min(fitted, result_.error_after.validation));
+        if (left_ || result_.error_after.validation <= result_.prediction_band) return;
+        // What the identification runs never reached may still move the prediction: its band is wider.
+        result_.prediction_band =
+            std::max(*result_.prediction_band, calcBand(selection_.state.point, selection_.noise));
+        left_ = isLeft(result_.error_after.validation);
+    }
+
+    double calcBand(const TestPoint& point, const Posterior& posterior) const {
+        return calcPredictionBand(problem_, selection_.state.set, point, posterior, judging_,
+                                  result_.validated ? problem_.identificationCount() : 0,
+                                  result_.noise_floor.validation, kSeed);
+    }
+
+    /// Contract, section 6: more than band, noise and what is worth naming. The band of a run that amplifies small
+    /// differences is wide; it excuses nothing where the equations of motion are not satisfied either.
+    bool isLeft(double error) const {
+        const auto& misfit = selection_.decisions.back().misfit;
+        const bool satisfied = std::all_of(misfit.begin(), misfit.end(), [](double own) { return own < kSatisfied; });
+        return (!(error <= result_.prediction_band) || !satisfied) &&
+               error > kFloors * result_.noise_floor.validation && error > kLeastError;
+    }
+
+    CauseParameter makeParameter(int index, const Posterior& posterior, double value) const {
+        const double width = kQuantile * std::sqrt(std::max(0.0, posterior.covariance(index, index)));
+        return {reportName(row(index).name), row(index).unit, value, value - width, value + width};
+    }
+
+    std::vector<CauseParameter> makeParameters(const Hypothesis& hypothesis, const TestPoint& point,
+                                               const Posterior& posterior) const {
+        std::vector<CauseParameter> parameters;
+        if (hypothesis.cause == "load" && point.state.model.load &&
+            point.state.model.load->gain_over_frequency.size() > 1) {
+            for (const auto& [frequency, gain] : point.state.model.load->gain_over_frequency) {
+                char name[40];
+                std::snprintf(name, sizeof name, "gain at %.4g Hz", frequency);
+                parameters.push_back({name, "-", gain, gain, gain});
+            }
+            return parameters;
+        }
+        for (const int index : hypothesis.reported)
+            parameters.push_back(makeParameter(index, posterior, point.values[index]));
+        return parameters;
+    }
+
+    /// A stop without stiffness is none: its clearance is null.
+    bool isRemovedStop(const Hypothesis& hypothesis) const {
+        return hypothesis.cause == "stop_stiffness" && hypothesis.reported.size() == 1 &&
+               selection_.state.point.values[hypothesis.reported.front()] <
+                   kNoStop * row(hypothesis.reported.front()).believed;
+    }
+
+    void addCauses() {
+        for (std::size_t i = 0; i < selection_.state.set.size(); ++i) {
+            const Hypothesis& hypothesis = at(selection_.state.set[i]);
+            Cause cause;
+            cause.cause = hypothesis.cause;
+            for (const auto& place : hypothesis.where) cause.where.push_back(reportPlace(place));
+            cause.parameters = makeParameters(hypothesis, selection_.state.point, selection_.posterior);
+            if (isRemovedStop(hypothesis)) {
+                cause.cause = "clearance";
+                const double none = std::numeric_limits<double>::quiet_NaN();
+                cause.parameters = {{hypothesis.where.front() + ".clearance", "m", none, none, none}};
+            }
+            cause.probability =
+                std::min(0.999, selection_.probabilityOf(selection_.state.set[i]) + addRivals(i, cause));
+            const Evidence own = makeEvidence(problem_, selection_.state.view, selection_.state.scales, false);
+            const double error =
+                errorOf(problem_.cleanModel(holdBack(problem_, selection_.state, selection_.state.set[i], own)),
+                        nullptr)
+                    .validation;
+            cause.gain_db = std::isfinite(error) ? toDecibel(error / result_.error_after.validation) : kLargestDecibels;
+            const double before = result_.error_before.validation, after = result_.error_after.validation;
+            cause.share =
+                before > after
+                    ? std::clamp((error * error - after * after) / (before * before - after * after), 0.0, 1.0)
+                    : 0;
+            merge(cause);
+        }
+        std::stable_sort(result_.causes.begin(), result_.causes.end(),
+                         [](const Cause& a, const Cause& b) { return a.gain_db > b.gain_db; });
+    }
+
+    /// Causes that could stand in the place of one; returns the probability of the same statement in other words (the
+    /// same cause at the same place, or at more places by one factor).
+    double addRivals(std::size_t member, Cause& cause) const {
+        HypothesisSet others = selection_.state.set;
+        const int own = others[member];
+        others.erase(others.begin() + static_cast<long>(member));
+        const Evidence evidence = makeEvidence(problem_, selection_.state.view, selection_.state.scales, false);
+        double same = 0, all = 0;
+        for (const RankedSet& entry : selection_.ranked)
+            all += std::exp(entry.log_evidence - selection_.ranked.front().log_evidence);
+        for (const RankedSet& entry : selection_.ranked) {
+            const double probability = std::exp(entry.log_evidence - selection_.ranked.front().log_evidence) / all;
+            if (std::binary_search(entry.members.begin(), entry.members.end(), own)) continue;
+            // Sets of the same others, with one more of another name.
+            HypothesisSet joined;
+            std::set_difference(entry.members.begin(), entry.members.end(), others.begin(), others.end(),
+                                std::back_inserter(joined));
+            if (joined.size() != 1 || entry.members.size() != selection_.state.set.size()) continue;
+            const Hypothesis& rival = at(joined.front());
+            if (rival.cause == cause.cause && sharesPlace(rival, at(own))) {
+                same += probability;
+                continue;
+            }
+            if (probability < kRivalProbability) continue;
+            const Posterior posterior = evidence.calcPosterior(entry.members);
+            const TestPoint point = problem_.pointAt(posterior.mean, entry.members);
+            std::vector<std::string> where;
+            for (const auto& place : rival.where) where.push_back(reportPlace(place));
+            cause.rivals.push_back({rival.cause, where, makeParameters(rival, point, posterior),
+                                    findSeparatingRun(cause.cause, rival.cause)});
+        }
+        return same;
+    }
+
+    static bool sharesPlace(const Hypothesis& a, const Hypothesis& b) {
+        return std::any_of(a.where.begin(), a.where.end(), [&](const std::string& place) {
+            return std::find(b.where.begin(), b.where.end(), place) != b.where.end();
+        });
+    }
+
+    void merge(const Cause& cause) {
+        const auto known = std::find_if(result_.causes.begin(), result_.causes.end(),
+                                        [&](const Cause& other) { return other.cause == cause.cause; });
+        if (known == result_.causes.end()) {
+            result_.causes.push_back(cause);
+            return;
+        }
+        for (const auto& place : cause.where)
+            if (std::find(known->where.begin(), known->where.end(), place) == known->where.end())
+                known->where.push_back(place);
+        known->parameters.insert(known->parameters.end(), cause.parameters.begin(), cause.parameters.end());
+        known->rivals.insert(known->rivals.end(), cause.rivals.begin(), cause.rivals.end());
+        known->gain_db = std::max(known->gain_db, cause.gain_db);
+        known->share = std::max(known->share, cause.share);
+        known->probability = std::max(known->probability, cause.probability);
+    }
+
+    bool isOfCause(int index) const {
+        return std::any_of(selection_.state.set.begin(), selection_.state.set.end(), [&](int h) {
+            const auto& rows = at(h).reported;
+            return std::find(rows.begin(), rows.end(), index) != rows.end();
+        });
+    }
+
+    void addAdjustments() {
+        for (std::size_t i = 0; i < problem_.table().size(); ++i) {
+            const Unknown& number = problem_.table()[i];
+            const int index = static_cast<int>(i);
+            if (!(number.deviation > 0) || isOfCause(index)) continue;
+            const double value = selection_.state.point.values[index];
+            Adjustment adjustment{makeParameter(index, selection_.posterior, value), number.believed,
+                                  2 * number.deviation};
+            adjustment.parameter.name = number.name;
+            if (value == number.believed) continue;
+            // What the recordings do not know twice as well as it was believed only follows the others.
+            if (selection_.posterior.covariance(index, index) > kTold * number.deviation * number.deviation) continue;
+            result_.adjustments.push_back(adjustment);
+        }
+    }
+
+    /// Faults of sensors that are causes, as the extended model states them.
+    void addSensorFaults() {
+        const auto faultOf = [&](const std::string& channel) -> SensorFault& {
+            for (auto& fault : result_.extended.sensors)
+                if (fault.channel == channel) return fault;
+            result_.extended.sensors.emplace_back();
+            result_.extended.sensors.back().channel = channel;
+            return result_.extended.sensors.back();
+        };
+        for (const int h : selection_.state.set)
+            for (const int index : at(h).reported) {
+                const Unknown& number = row(index);
+                const double value = selection_.state.point.values[index];
+                const auto& layout = problem_.layout();
+                if (number.kind == UnknownKind::channel_gain)
+                    faultOf(layout.channels[static_cast<std::size_t>(number.first)].name).gain = value;
+                if (number.kind == UnknownKind::channel_delay)
+                    faultOf(layout.channels[static_cast<std::size_t>(number.first)].name).delay = value;
+                if (number.kind == UnknownKind::triax_rotation)
+                    faultOf(reportPlace(layout.triaxes[static_cast<std::size_t>(number.first)].name))
+                        .rotation[number.second] = value;
+            }
+    }
+
+    void judge() {
+        const double after = result_.error_after.validation;
+        const bool worse =
+            !selection_.state.set.empty() && after > result_.error_before.validation && after > kLeastError;
+        if (left_ || worse) {
+            result_.verdict = Diagnosis::Verdict::unexplained;
+            result_.unexplained_where =
+                locateRemainder(selection_.state.view, selection_.decisions.back().misfit, result_.extended);
+        } else {
+            result_.verdict =
+                selection_.state.set.empty() ? Diagnosis::Verdict::nothing_missing : Diagnosis::Verdict::explained;
+        }
+    }
+
+    const MountModel& model_;
+    const DiagnosisOptions& options_;
+    TestProblem problem_;
+    std::vector<FreeRun> own_, judging_;
+    Selection selection_;
+    bool left_ = false;  // more than the band, the noise and what is worth naming
+    Diagnosis result_;
+};
+
+}  // namespace
+
+Diagnosis updateModel(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
+                      const MountModel& model, const DiagnosisOptions& options) {
+    return Diagnostician(identification, validation, model, options).run();
+}
+
+}  // namespace wems::identify::updating

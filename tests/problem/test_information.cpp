@@ -1,0 +1,97 @@
+#include <Eigen/Dense>
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "identify/problem/information.hpp"
+
+using namespace wems::identify;
+
+namespace {
+
+BlockInformation makeBlock(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) {
+    BlockInformation block;
+    block.A = J.transpose() * J;
+    block.b = J.transpose() * r;
+    block.noise_slopes = Eigen::MatrixXd::Zero(J.cols(), 0);
+    block.chi_squared = r.squaredNorm();
+    block.count = static_cast<double>(r.size());
+    return block;
+}
+
+Eigen::MatrixXd drawMatrix(Eigen::Index rows, Eigen::Index columns, std::mt19937& random) {
+    std::normal_distribution<double> normal;
+    return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); });
+}
+
+}  // namespace
+
+TEST_CASE("Runs add", "[information]") {
+    std::mt19937 random(1);
+    const Eigen::MatrixXd J = drawMatrix(40, 5, random);
+    const Eigen::VectorXd r = drawMatrix(40, 1, random);
+    BlockInformation sum = makeBlock(J.topRows(15), r.head(15));
+    sum.add(makeBlock(J.bottomRows(25), r.tail(25)));
+    const BlockInformation whole = makeBlock(J, r);
+    CHECK((sum.A - whole.A).norm() < 1e-12);
+    CHECK((sum.b - whole.b).norm() < 1e-12);
+    CHECK(sum.chi_squared == Approx(whole.chi_squared));
+    CHECK(sum.count == 40);
+}
+
+TEST_CASE("Blocks weigh by their scale, and what is not seen stays unknown", "[information]") {
+    std::mt19937 random(2);
+    Eigen::MatrixXd J = drawMatrix(40, 5, random);
+    J.col(3).setZero();
+    const Eigen::VectorXd r = drawMatrix(40, 1, random);
+    Information all;
+    all[0] = makeBlock(J, r);
+    BlockScales scales;
+    scales[0] = {4.0, 1.0};
+    // A reach so wide that it says nothing.
+    const BlockInformation sum = combine(all, scales, Eigen::VectorXd::Constant(5, 1e6));
+    CHECK((sum.A - all[0].A / 4).norm() < 1e-9);
+    CHECK((sum.b - all[0].b / 4).norm() < 1e-9);
+    CHECK(sum.A(3, 3) == 0);
+}
+
+// Least squares whose gradient scatters by V beyond A has the sandwich (A⁻¹ (A + V) A⁻¹) as covariance (Huber 1967).
+TEST_CASE("Bursts of noise widen by the sandwich", "[information]") {
+    std::mt19937 random(3);
+    const Eigen::MatrixXd J = drawMatrix(40, 4, random), root = drawMatrix(4, 4, random);
+    const Eigen::VectorXd r = drawMatrix(40, 1, random);
+    Information all;
+    all[0] = makeBlock(J, r);
+    all[0].scatter = 30 * root * root.transpose();
+    const BlockInformation sum = combine(all, {}, Eigen::VectorXd::Constant(4, 1e7));
+    const Eigen::MatrixXd inverse = all[0].A.inverse();
+    CHECK((sum.A.inverse() - inverse * (all[0].A + all[0].scatter) * inverse).norm() < 1e-8);
+    // The estimate is that of least squares.
+    CHECK((sum.A.ldlt().solve(sum.b) - inverse * all[0].b).norm() < 1e-8);
+}
+
+// y = θ x with noise in x and y: least squares is drawn to zero by σ² N, which the slope takes off.
+TEST_CASE("The noise slope takes the regressor's noise off", "[information]") {
+    std::mt19937 random(4);
+    std::normal_distribution<double> normal;
+    const double theta = 2, sigma = 0.3;
+    const int count = 200000;
+    Eigen::VectorXd x(count), y(count);
+    for (int i = 0; i < count; ++i) {
+        const double truth = normal(random);
+        x[i] = truth + sigma * normal(random);
+        y[i] = theta * truth + sigma * normal(random);
+    }
+    // r = (θ x − y) / s about θ with s² = (1 + θ²) σ²; ∂r = x / s, and the noises of both share θ σ² / s².
+    const double s = sigma * std::sqrt(1 + theta * theta);
+    BlockInformation block = makeBlock(x / s, (theta * x - y) / s);
+    block.noise_slopes = Eigen::MatrixXd::Constant(1, 1, count * theta * sigma * sigma / (s * s));
+    const double plain = -block.b[0] / block.A(0, 0);
+    Information all;
+    all[0] = block;
+    BlockScales scales;
+    scales[0].level = block.chi_squared / block.count;
+    CHECK(scales[0].level == Approx(1).margin(0.02));
+    const BlockInformation corrected = combine(all, scales, Eigen::VectorXd::Constant(1, 1e6));
+    CHECK(std::abs(plain) > 0.1);
+    CHECK(std::abs(corrected.b[0] / corrected.A(0, 0)) < 0.01);
+}

@@ -1,0 +1,62 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "identify/problem/noise_density.hpp"
+#include "models/pi.hpp"
+
+using namespace wems;
+using namespace wems::identify;
+
+namespace {
+
+constexpr double kInterval = 1e-3;
+
+Eigen::MatrixXd drawNoise(int channels, int samples, double deviation, std::mt19937& random) {
+    std::normal_distribution<double> normal(0, deviation);
+    return Eigen::MatrixXd::NullaryExpr(channels, samples, [&] { return normal(random); });
+}
+
+}  // namespace
+
+TEST_CASE("The lower quartile of squared Gaussian values", "[noise density]") {
+    std::mt19937 random(1);
+    for (const int freedom : {1, 3, 12}) {
+        std::chi_squared_distribution<double> square(freedom);
+        std::vector<double> values(200001);
+        for (double& value : values) value = square(random);
+        std::sort(values.begin(), values.end());
+        CHECK(calcQuartileRatio(freedom) ==
+              Approx(values[values.size() / 4] / freedom).margin(freedom == 1 ? 0.03 : 0.01));
+    }
+}
+
+TEST_CASE("White noise has its variance at every frequency, a passing sweep or not", "[noise density]") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const int samples = 30000;
+    Eigen::MatrixXd residual = drawNoise(6, samples, 2e-6, random);
+    // A gain error of the sweep's channels, ten times the noise, 5 to 50 Hz.
+    const double rate = std::log(10.0) / (samples * kInterval);
+    for (int k = 0; k < samples; ++k)
+        residual.col(k).array() += 2e-5 * std::sin(kTwoPi * 5 * std::expm1(rate * k * kInterval) / rate);
+    const NoiseDensity density(residual, 6, kInterval, 1.25, 0);
+    for (const double f : {3.0, 8.0, 20.0, 45.0, 120.0, 400.0}) CHECK(density.at(f) == Approx(4e-12).epsilon(0.35));
+    CHECK(density.variance() == Approx(4e-12).epsilon(0.1));
+}
+
+TEST_CASE("Noise that falls with frequency is followed", "[noise density]") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    Eigen::MatrixXd residual = drawNoise(6, 40000, 1.0, random);
+    // First-order low pass: variance density 1 / |1 − a exp(−iωh)|².
+    const double a = 0.9;
+    for (Eigen::Index k = 1; k < residual.cols(); ++k) residual.col(k) += a * residual.col(k - 1);
+    const NoiseDensity density(residual, 6, kInterval, 1.25, 0);
+    for (const double f : {5.0, 30.0, 100.0, 300.0}) {
+        const double expected = 1 / (1 + a * a - 2 * a * std::cos(kTwoPi * f * kInterval));
+        CHECK(density.at(f) == Approx(expected).epsilon(0.3));
+    }
+}
