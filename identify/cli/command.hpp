@@ -40,6 +40,7 @@ void addSurfaceCommand(CLI::App& app, int& exit_status);
 void addSpectraCommand(CLI::App& app, int& exit_status);
 void addCompareCommand(CLI::App& app, int& exit_status);
 void addDiagnoseCommand(CLI::App& app, int& exit_status);
+void addPlanCommand(CLI::App& app, int& exit_status);
 void addInspectCommand(CLI::App& app, int& exit_status);
 void addConvertCommand(CLI::App& app, int& exit_status);
 void addMergeCommand(CLI::App& app, int& exit_status);

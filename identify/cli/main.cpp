@@ -45,6 +45,7 @@ int run(int argc, char** argv) {
     wems::identify::cli::addRigidityCommand(app, exit_status);
     wems::identify::cli::addFitCommand(app, exit_status);
     wems::identify::cli::addDiagnoseCommand(app, exit_status);
+    wems::identify::cli::addPlanCommand(app, exit_status);
     wems::identify::cli::addCompareCommand(app, exit_status);
     wems::identify::cli::addSurfaceCommand(app, exit_status);
     wems::identify::cli::addSingleAxisCommand(app, exit_status);

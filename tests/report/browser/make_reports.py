@@ -38,6 +38,7 @@ def make_reports(simulate, identify, device, folder):
         "fit": ["fit", *runs, "--model", "believed.toml"],
         "element": ["fit", "axial.csv", "--model", "device.toml", "--connection", 4, "--axis", "z"],
         "diagnose": ["diagnose", "axial.csv", "--validate", "lateral.csv", "--model", "believed.toml"],
+        "plan": ["plan", "axial.csv", "--model", "believed.toml", "--max-force", 600],
         "spectra": ["spectra", *runs, "--model", "device.toml"],
         "inspect": ["inspect", "axial.csv"],
         "compare": ["compare", "axial.csv", "believed.csv", "--model", "device.toml"],
