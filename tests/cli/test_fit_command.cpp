@@ -14,6 +14,7 @@
 #include "run_program.hpp"
 #include "tests/fit/laboratory_layout.hpp"
 #include "tests/fit/synthetic_run.hpp"
+#include "tests/seed.hpp"
 
 namespace wems {
 namespace {
@@ -42,7 +43,7 @@ struct BelievedDevice {
         writeMountModel(test::perturb(truth, most, seed), folder.path() + "/believed.toml");
     }
 
-    std::uint64_t seed = std::random_device{}();
+    std::uint64_t seed = test::drawSeed();
     test::TemporaryDirectory folder;
     MountModel truth = makeDevice();
 };

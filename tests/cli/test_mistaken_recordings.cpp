@@ -10,6 +10,7 @@
 #include "models/recording/recording_writer.hpp"
 #include "run_program.hpp"
 #include "tests/fit/synthetic_run.hpp"
+#include "tests/seed.hpp"
 
 using Catch::Contains;
 using wems::test::runProgram;
@@ -88,7 +89,7 @@ struct Laboratory {
         }
     }
 
-    std::uint64_t seed = std::random_device{}();
+    std::uint64_t seed = test::drawSeed();
     test::TemporaryDirectory folder;
     MountModel truth = readMountModel(WEMS_SOURCE_DIR "/models/shipped/smallsat_wems.toml");
     Recording recording;

@@ -8,6 +8,7 @@
 #include "models/axis_law.hpp"
 #include "models/error.hpp"
 #include "tests/component/synthetic_test.hpp"
+#include "tests/seed.hpp"
 
 namespace wems::identify {
 namespace {
@@ -114,7 +115,7 @@ TEST_CASE("The fitted model has nothing twice: its force is the measured one") {
     law.stops = {{Side::positive, 1.8e-3, 1e6, 0.4}, {Side::negative, 1.1e-3, 1e6, 0}, {Side::negative, 9e-3, 1e6, 0}};
     SyntheticTest test;
     test.noise = 2;
-    const auto seed = std::random_device{}();
+    const auto seed = test::drawSeed();
     CAPTURE(seed);
     const auto recording = makeSyntheticTest(
         [](double q, double v) {

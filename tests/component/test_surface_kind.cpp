@@ -7,6 +7,7 @@
 #include "identify/component/surface_kind.hpp"
 #include "tests/component/synthetic_test.hpp"
 #include "tests/sanitized.hpp"
+#include "tests/seed.hpp"
 
 namespace wems::identify {
 namespace {
@@ -41,7 +42,7 @@ TEST_CASE("The kind of a surface is named as it was made, over several draws") {
 }
 
 TEST_CASE("The offset of a piecewise-linear force is the force at rest, within its interval in most draws") {
-    const unsigned base = std::random_device{}();
+    const unsigned base = test::drawSeed();
     CAPTURE(base);
     constexpr unsigned draws = test::kSanitized ? 3 : 20;
     int within = 0;

@@ -7,6 +7,7 @@
 
 #include "identify/problem/aliasing.hpp"
 #include "models/pi.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems::identify;
 using wems::kPi;
@@ -66,7 +67,7 @@ RunMotion makeMotion() {
 
 TEST_CASE("What contact folds near zero frequency is foretold from what stands below half the sampling rate",
           "[diagnose]") {
-    const auto seed = std::random_device{}();
+    const auto seed = wems::test::drawSeed();
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
     const Contacts contacts(random);

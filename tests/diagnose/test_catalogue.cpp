@@ -8,12 +8,13 @@
 #include "identify/diagnose/catalogue.hpp"
 #include "tests/diagnose/hidden_device.hpp"
 #include "tests/hidden/random_case.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems;
 using namespace wems::identify;
 
 TEST_CASE("Every candidate can be tried, is documented, and is met by the hidden cases", "[diagnose]") {
-    const auto seed = std::random_device{}();
+    const auto seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     const MountModel model = identify::testing::makeRandomDevice(random);

@@ -7,6 +7,7 @@
 #include "identify/diagnose/pass.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/diagnose/hidden_device.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems;
 using namespace wems::identify;
@@ -32,7 +33,7 @@ std::pair<Left, Expectation> compare(const MountModel& truth, const MountModel& 
 }  // namespace
 
 TEST_CASE("What a perfect model leaves is expected before it is seen", "[diagnose]") {
-    const auto seed = std::random_device{}();
+    const auto seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     const auto truth = identify::testing::makeRandomDevice(random);

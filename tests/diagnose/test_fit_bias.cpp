@@ -10,6 +10,7 @@
 #include "models/parameter_access.hpp"
 #include "tests/diagnose/hidden_device.hpp"
 #include "tests/diagnose/too_slow.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems;
 using namespace wems::identify;
@@ -29,7 +30,7 @@ identify::testing::RunPlan makePlan(double duration, double level, double noise)
 }  // namespace
 
 TEST_CASE("A simulated recording is the model's motion, with the recording's noise, of either sign", "[diagnose]") {
-    const auto seed = std::random_device{}();
+    const auto seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     const auto model = identify::testing::makeRandomDevice(random);
@@ -68,7 +69,7 @@ TEST_CASE("A simulated recording is the model's motion, with the recording's noi
 /// without knowing the truth.
 TEST_CASE("The bias of a stop's dissipation is found from the recording alone", "[diagnose]") {
     if (test::isTooSlow()) return;
-    const auto seed = std::random_device{}();
+    const auto seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     constexpr int kTrials = 4;

@@ -6,6 +6,7 @@
 #include "identify/problem/sliding_friction.hpp"
 #include "identify/problem/velocity_noise.hpp"
 #include "models/pi.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems::identify;
 using wems::kPi;
@@ -25,7 +26,7 @@ std::complex<double> calcCoefficient(const Eigen::VectorXd& history, double inte
 }  // namespace
 
 TEST_CASE("Friction at the samples has the harmonics that it has between them", "[diagnose]") {
-    const auto seed = std::random_device{}();
+    const auto seed = wems::test::drawSeed();
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
     // One second of whole periods of whole samples, so that a reversal falls at the same place between samples in each.
@@ -51,7 +52,7 @@ TEST_CASE("Friction at the samples has the harmonics that it has between them", 
 }
 
 TEST_CASE("Noise goes from a velocity, the motion stays", "[diagnose]") {
-    const auto seed = std::random_device{}();
+    const auto seed = wems::test::drawSeed();
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
     constexpr double kInterval = 1e-3, kNoise = 2e-6;

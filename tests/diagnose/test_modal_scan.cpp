@@ -4,6 +4,7 @@
 
 #include "identify/diagnose/modal_scan.hpp"
 #include "models/pi.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems;
 using namespace wems::identify;
@@ -40,7 +41,7 @@ ModalScan makeScan(const Planted& planted, double noise, std::mt19937_64& random
 }  // namespace
 
 TEST_CASE("A scan finds a mode's frequency, damping and shape", "[diagnose]") {
-    const auto seed = std::random_device{}();
+    const auto seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> uniform(-1, 1);

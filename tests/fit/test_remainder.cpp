@@ -10,6 +10,7 @@
 #include "identify/fit/run_equations.hpp"
 #include "models/pi.hpp"
 #include "tests/fit/synthetic_run.hpp"
+#include "tests/seed.hpp"
 
 namespace wems::identify {
 namespace {
@@ -24,7 +25,7 @@ Eigen::VectorXd drawNoise(std::mt19937_64& random, int count) {
 }  // namespace
 
 TEST_CASE("Autocorrelation of a first-order process is its coefficient's powers") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     const double a = std::uniform_real_distribution<double>(0.3, 0.8)(random);
@@ -39,7 +40,7 @@ TEST_CASE("Autocorrelation of a first-order process is its coefficient's powers"
 }
 
 TEST_CASE("One in twenty correlations of averaged noise is beyond the limit where averages share no samples") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     constexpr int kSeries = 400, kCount = 2000, kWidth = 4, kLags = 24;
@@ -57,7 +58,7 @@ TEST_CASE("One in twenty correlations of averaged noise is beyond the limit wher
 }
 
 TEST_CASE("Singular values and directions are those of the weighted equations") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     std::vector<Parameter> parameters(4);

@@ -6,6 +6,7 @@
 #include "models/bryant.hpp"
 #include "models/error.hpp"
 #include "tests/motion/analytic_motion.hpp"
+#include "tests/seed.hpp"
 
 namespace wems::identify {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 constexpr double sigma_x = 3e-6, sigma_a = 0.03;
 
 struct Case {
-    unsigned seed = std::random_device{}();
+    unsigned seed = test::drawSeed();
     std::mt19937 random{seed};
     MountModel model = test::makeCrossModel();
     Recording recording = test::makeEmptyRecording(1000, 6);

@@ -4,6 +4,7 @@
 
 #include "identify/motion/rigidity.hpp"
 #include "tests/motion/analytic_motion.hpp"
+#include "tests/seed.hpp"
 
 namespace wems::identify {
 namespace {
@@ -31,7 +32,7 @@ Recording makeRecording(const MountModel& model, std::mt19937& random, const std
 }
 
 TEST_CASE("Clean noisy recordings have no suspect") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     int alarms = 0;
@@ -50,7 +51,7 @@ TEST_CASE("Clean noisy recordings have no suspect") {
 }
 
 TEST_CASE("A wrong gain is named, with its size") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> change(0.01, 0.1);
@@ -72,7 +73,7 @@ TEST_CASE("A wrong gain is named, with its size") {
 }
 
 TEST_CASE("Exchanged channels, wrong signs and delays are named") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     const MountModel model = makeModel(false);
@@ -141,7 +142,7 @@ TEST_CASE("Checks have the values that geometry gives") {
 }
 
 TEST_CASE("Accelerations alone are checked against a rigid field") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     const MountModel model = makeModel(false);

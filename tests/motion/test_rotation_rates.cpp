@@ -3,6 +3,7 @@
 
 #include "identify/motion/rotation_rates.hpp"
 #include "models/bryant.hpp"
+#include "tests/seed.hpp"
 
 namespace wems::identify {
 namespace {
@@ -18,7 +19,7 @@ Eigen::Vector3d angularVelocityAt(const Eigen::Vector3d& theta, const Eigen::Vec
 }
 
 TEST_CASE("Angular velocity and acceleration are those of the rotation itself") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(-1, 1);

@@ -13,15 +13,12 @@
 #include "identify/motion/parallel.hpp"
 #include "identify/motion/tones.hpp"
 #include "models/pi.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems;
 using namespace wems::identify;
 
 namespace {
-
-unsigned drawSeed() {
-    return std::random_device{}();
-}
 
 Eigen::VectorXd sample(int count, double interval, const std::function<double(double)>& f) {
     Eigen::VectorXd values(count);
@@ -35,7 +32,7 @@ TEST_CASE("median: the upper middle, as sorting finds it") {
     CHECK(median({3}) == 3);
     CHECK(median({4, 1}) == 4);
     CHECK(median({9, -2, 5}) == 5);
-    const unsigned seed = drawSeed();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     std::normal_distribution<> normal;
@@ -88,7 +85,7 @@ TEST_CASE("smoothZeroPhase: the gain 1/(1 + (f/cutoff)^6), no delay, a straight 
 }
 
 TEST_CASE("findCutoff: above the signal, below where only noise is") {
-    const unsigned seed = drawSeed();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     std::normal_distribution<> noise(0, 1e-3);
@@ -105,7 +102,7 @@ TEST_CASE("findCutoff: above the signal, below where only noise is") {
 }
 
 TEST_CASE("noise from residuals and from a signal alone: the level that was drawn") {
-    const unsigned seed = drawSeed();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     const double sigma = 0.3;

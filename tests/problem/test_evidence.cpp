@@ -4,6 +4,7 @@
 #include <random>
 
 #include "identify/solve/evidence.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems::identify;
 
@@ -78,7 +79,7 @@ Problem draw(unsigned seed) {
 }  // namespace
 
 TEST_CASE("Evidence of a set is the density of the data", "[evidence]") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = wems::test::drawSeed();
     CAPTURE(seed);
     const Problem problem = draw(seed);
     const Evidence evidence(problem.information(), problem.deviation, problem.hypotheses);
@@ -100,7 +101,7 @@ TEST_CASE("Evidence of a set is the density of the data", "[evidence]") {
 }
 
 TEST_CASE("Extensions of a set are the evidence of the larger set", "[evidence]") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = wems::test::drawSeed();
     CAPTURE(seed);
     const Problem problem = draw(seed);
     const Evidence evidence(problem.information(), problem.deviation, problem.hypotheses);
@@ -114,7 +115,7 @@ TEST_CASE("Extensions of a set are the evidence of the larger set", "[evidence]"
 }
 
 TEST_CASE("The search finds the set of highest evidence", "[evidence]") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = wems::test::drawSeed();
     CAPTURE(seed);
     const Problem problem = draw(seed);
     const Evidence evidence(problem.information(), problem.deviation, problem.hypotheses);

@@ -4,6 +4,7 @@
 #include "identify/updating/test_problem.hpp"
 #include "tests/diagnose/hidden_device.hpp"
 #include "tests/diagnose/too_slow.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems;
 using namespace wems::identify;
@@ -12,7 +13,7 @@ using namespace wems::identify::updating;
 // Small steps of every kind of number: the misfit, weighed by the same covariance, follows the quadratic.
 TEST_CASE("The quadratic of an information is the misfit about its state", "[linearised run]") {
     if (test::isTooSlow()) return;
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     const MountModel model = identify::testing::makeRandomDevice(random);

@@ -4,6 +4,7 @@
 
 #include "identify/problem/noise_density.hpp"
 #include "models/pi.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems;
 using namespace wems::identify;
@@ -32,7 +33,7 @@ TEST_CASE("The lower quartile of squared Gaussian values", "[noise density]") {
 }
 
 TEST_CASE("White noise has its variance at every frequency, a passing sweep or not", "[noise density]") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     const int samples = 30000;
@@ -47,7 +48,7 @@ TEST_CASE("White noise has its variance at every frequency, a passing sweep or n
 }
 
 TEST_CASE("Noise that falls with frequency is followed", "[noise density]") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     Eigen::MatrixXd residual = drawNoise(6, 40000, 1.0, random);

@@ -6,6 +6,7 @@
 #include "models/tolerances.hpp"
 #include "tests/diagnose/hidden_device.hpp"
 #include "tests/diagnose/too_slow.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems;
 using namespace wems::identify;
@@ -59,7 +60,7 @@ Answer ask(const std::vector<Recording>& runs, const MountModel& model) {
 
 TEST_CASE("The unit of time changes nothing in the adjustments", "[update]") {
     if (test::isTooSlow()) return;
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     const MountModel model = identify::testing::makeRandomDevice(random);

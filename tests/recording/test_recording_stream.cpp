@@ -7,6 +7,7 @@
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_stream.hpp"
 #include "tests/recording/temporary_file.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems;
 using Catch::Contains;
@@ -35,7 +36,7 @@ std::vector<Recording> readBlocks(const std::string& file, std::size_t rows, con
 }  // namespace
 
 TEST_CASE("Blocks join to the whole recording") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     const std::size_t samples = 300000 + random() % 100000;  // several of the pieces in which the file is read

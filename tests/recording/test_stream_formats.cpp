@@ -12,6 +12,7 @@
 #include "models/recording/recording_stream.hpp"
 #include "tests/recording/hdf5_sample.hpp"
 #include "tests/recording/temporary_file.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems;
 using Catch::Contains;
@@ -147,7 +148,7 @@ void checkBlocks(const std::string& file, const ColumnMap* map, std::size_t rows
 }  // namespace
 
 TEST_CASE("Blocks of OpenSim's tables join to the whole recording") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     const std::size_t samples = 10000 + random() % 10000, rows = 500 + random() % 12000;
@@ -158,7 +159,7 @@ TEST_CASE("Blocks of OpenSim's tables join to the whole recording") {
 }
 
 TEST_CASE("Blocks of LabVIEW's text files join to the whole recording") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     const std::size_t samples = 10000 + random() % 10000, rows = 500 + random() % 12000;
@@ -169,7 +170,7 @@ TEST_CASE("Blocks of LabVIEW's text files join to the whole recording") {
 }
 
 TEST_CASE("Blocks of universal files join to the whole recording") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     const std::size_t samples = 10000 + random() % 10000, rows = 500 + random() % 12000;
@@ -189,7 +190,7 @@ TEST_CASE("Blocks of universal files join to the whole recording") {
 }
 
 TEST_CASE("Blocks of HDF5 files join to the whole recording") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     const std::size_t samples = 10000 + random() % 10000, rows = 500 + random() % 12000;
@@ -241,7 +242,7 @@ TEST_CASE("Blocks of HDF5 files join to the whole recording") {
 }
 
 TEST_CASE("A long HDF5 file that is cut off is refused") {
-    const unsigned seed = std::random_device{}();
+    const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
     constexpr std::size_t kSamples = 6000;  // more than are read with the header
