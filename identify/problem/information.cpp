@@ -20,9 +20,13 @@ void BlockInformation::add(const BlockInformation& other) {
     }
     A += other.A;
     b += other.b;
-    Eigen::MatrixXd both(noise_slopes.rows(), noise_slopes.cols() + other.noise_slopes.cols());
-    both << noise_slopes, other.noise_slopes;
-    noise_slopes = both;
+    if (noise_slopes.size() == 0) {
+        noise_slopes = other.noise_slopes;
+    } else if (other.noise_slopes.size() > 0) {
+        Eigen::MatrixXd both(noise_slopes.rows(), noise_slopes.cols() + other.noise_slopes.cols());
+        both << noise_slopes, other.noise_slopes;
+        noise_slopes = both;
+    }
     if (scatter.size() == 0)
         scatter = other.scatter;
     else if (other.scatter.size() > 0)
@@ -42,7 +46,8 @@ BlockInformation combine(const Information& information, const BlockScales& scal
         if (scaled.empty()) continue;
         scaled.noise_slopes *= scales[k].level / scales[k].scale;
         scaled.A /= scales[k].scale;
-        scaled.b = scaled.b / scales[k].scale - scaled.noise_slopes.rowwise().sum();
+        scaled.b /= scales[k].scale;
+        if (scaled.noise_slopes.size() > 0) scaled.b -= scaled.noise_slopes.rowwise().sum();
         scaled.chi_squared /= scales[k].scale;
         if (scaled.scatter.size() > 0) scaled.scatter /= scales[k].scale;
         sum.add(scaled);
