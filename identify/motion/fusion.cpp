@@ -80,7 +80,8 @@ Eigen::VectorXd calcVelocity(const Eigen::VectorXd& x, const Eigen::VectorXd& a,
 }  // namespace
 
 FusedSignal fuseDisplacementAndAcceleration(const Eigen::VectorXd& x_measured, double sigma_x,
-                                            const Eigen::VectorXd& a_measured, double sigma_a, double h) {
+                                            const Eigen::VectorXd& a_measured, double sigma_a, double h,
+                                            ContactEdges edges) {
     const Eigen::Index n = x_measured.size();
     FusedSignal fused;
     fused.x = x_measured;
@@ -88,7 +89,8 @@ FusedSignal fuseDisplacementAndAcceleration(const Eigen::VectorXd& x_measured, d
     for (Eigen::Index k = 1; k < n - 1; ++k) {
         const Eigen::Index reach = std::min(k, n - 1 - k);
         const double* a = a_measured.data() + k;
-        const double variance = sigma_a * sigma_a + kinkVariance(a, reach, sigma_a);
+        const double kink = edges == ContactEdges::sampled ? kinkVariance(a, reach, sigma_a) : 0.0;
+        const double variance = sigma_a * sigma_a + kink;
         const double weight = sigma_x * sigma_x / (variance * h * h * h * h);
         weights[static_cast<std::size_t>(k)] = weight;
         const double target = weight * h * h * hatMean(a, reach);

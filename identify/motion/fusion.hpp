@@ -20,13 +20,19 @@
 
 namespace wems::identify {
 
+/// How a recording shows that a stop is reached: abruptly, as samples of a motion with kinks, which miss part of the
+/// impulse, or as an anti-alias filter has rounded it, of which samples miss nothing.
+enum class ContactEdges { sampled, filtered };
+
 struct FusedSignal {
     Eigen::VectorXd x, v;
 };
 
 /// @param sigma_x, sigma_a noise (RMS) of the two measurements; > 0
+/// @param edges σ_k grows at kinks of `sampled` edges alone
 /// @param h sample interval, s; at least 8 samples
 FusedSignal fuseDisplacementAndAcceleration(const Eigen::VectorXd& x_measured, double sigma_x,
-                                            const Eigen::VectorXd& a_measured, double sigma_a, double h);
+                                            const Eigen::VectorXd& a_measured, double sigma_a, double h,
+                                            ContactEdges edges = ContactEdges::sampled);
 
 }  // namespace wems::identify

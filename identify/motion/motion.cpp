@@ -26,13 +26,13 @@ Eigen::Matrix3Xd collectVector(const Recording& recording, Part part) {
 }
 
 PartEstimate estimateFixed(const Recording& recording, const MountModel& model, const PartEstimate* base,
-                           RunMotion& run, const BodyMotion& rest) {
+                           RunMotion& run, const BodyMotion& rest, ContactEdges edges) {
     if (hasChannels(recording, Part::fixed)) {
         const bool guided = model.body.free != MobileBody().free;
         const bool all_six = determinesPart(recording, model, Part::fixed, rest);
         // A rigid table whose own sensors tell too little is the base that it stands on.
         const bool follows_base = base != nullptr && model.bracket.empty();
-        if (all_six || (!guided && !follows_base)) return estimatePart(recording, model, Part::fixed, rest);
+        if (all_six || (!guided && !follows_base)) return estimatePart(recording, model, Part::fixed, rest, edges);
         if (guided && (!follows_base || determinesGuided(recording, model, Part::fixed, rest)))
             return estimateGuided(recording, model, Part::fixed, rest,
                                   makeStandstill(rest, static_cast<Eigen::Index>(run.time.size())));
@@ -55,7 +55,7 @@ PartEstimate estimateFixed(const Recording& recording, const MountModel& model, 
 
 }  // namespace
 
-RunMotion estimateMotion(const Recording& recording, const MountModel& model) {
+RunMotion estimateMotion(const Recording& recording, const MountModel& model, ContactEdges edges) {
     if (!hasChannels(recording, Part::mobile))
         throw InputError({recording.file, 0, "mobile"}, "no channel of the mobile part",
                          "mobile.<connection>.<x|y|z|vx|vy|vz|ax|ay|az>");
@@ -74,10 +74,10 @@ RunMotion estimateMotion(const Recording& recording, const MountModel& model) {
         base = estimateTranslation(uniform, run.base, fixed_rest);
         run.base_displacement = base->motion.p.colwise() - fixed_rest.p_GM;
     }
-    PartEstimate fixed = estimateFixed(uniform, model, base ? &*base : nullptr, run, fixed_rest);
+    PartEstimate fixed = estimateFixed(uniform, model, base ? &*base : nullptr, run, fixed_rest, edges);
     const bool guided = model.body.free != MobileBody().free;
     PartEstimate mobile = guided ? estimateGuided(uniform, model, Part::mobile, equilibrium.mobile, fixed.motion)
-                                 : estimatePart(uniform, model, Part::mobile, equilibrium.mobile);
+                                 : estimatePart(uniform, model, Part::mobile, equilibrium.mobile, edges);
     run.mobile_trusted_from = mobile.trusted_from;
     run.fixed_trusted_from = fixed.trusted_from;
     run.trusted_from = std::max(mobile.trusted_from, fixed.trusted_from);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/motion/fusion.hpp"
 #include "identify/motion/gain_scatter.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
@@ -68,7 +69,9 @@ struct RunMotion {
 /// is taken as zero. All motion is absolute, as the channels are.
 /// A model without bracket whose recording has no `fixed` channels, or too few, follows the recorded base; without base
 /// it stands still.
+/// @param edges of displacements and accelerations that are fused
 /// @throws InputError if the motions cannot be recovered, naming which.
-RunMotion estimateMotion(const Recording& recording, const MountModel& model);
+RunMotion estimateMotion(const Recording& recording, const MountModel& model,
+                         ContactEdges edges = ContactEdges::sampled);
 
 }  // namespace wems::identify

@@ -44,8 +44,10 @@ Eigen::Matrix3Xd calcAngularVelocities(const Eigen::Matrix3Xd& theta, const Eige
 
 class SixMotionEstimator : PartEstimator {
 public:
-    SixMotionEstimator(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest)
+    SixMotionEstimator(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest,
+                       ContactEdges edges)
         : PartEstimator(recording, part),
+          edges_(edges),
           rest_(rest),
           displacement_(collectChannels(recording, model, part, Derivative::displacement), rest),
           acceleration_(collectAccelerations(model, displacement_.channelSet()), rest) {}
@@ -136,9 +138,9 @@ private:
             a_noise = std::max({motion.acceleration_noise, kLeastAccelerationNoise, kNoiseFloor * rms(motion.a)});
             const Eigen::Matrix3Xd second = calcVectorAccelerations(rate);
             for (int i = 0; i < 3; ++i) {
-                const FusedSignal fused =
-                    fuseDisplacementAndAcceleration(theta_measured.row(i).transpose(), x_noise * x_unit[3 + i],
-                                                    second.row(i).transpose(), a_noise * a_unit[3 + i], interval_);
+                const FusedSignal fused = fuseDisplacementAndAcceleration(
+                    theta_measured.row(i).transpose(), x_noise * x_unit[3 + i], second.row(i).transpose(),
+                    a_noise * a_unit[3 + i], interval_, edges_);
                 motion.theta.row(i) = fused.x.transpose();
                 rate.row(i) = fused.v.transpose();
             }
@@ -152,7 +154,7 @@ private:
         for (int i = 0; i < 3; ++i) {
             const FusedSignal fused =
                 fuseDisplacementAndAcceleration(p_measured.row(i).transpose(), x_noise * x_unit[i],
-                                                motion.a.row(i).transpose(), a_noise * a_unit[i], interval_);
+                                                motion.a.row(i).transpose(), a_noise * a_unit[i], interval_, edges_);
             motion.p.row(i) = fused.x.transpose();
             motion.v.row(i) = fused.v.transpose();
         }
@@ -227,6 +229,7 @@ private:
         noteIntegration();
     }
 
+    ContactEdges edges_;
     BodyMotion rest_;
     RigidFit displacement_;
     RigidFit acceleration_;
@@ -234,8 +237,9 @@ private:
 
 }  // namespace
 
-PartEstimate estimatePart(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest) {
-    return SixMotionEstimator(recording, model, part, rest).estimate();
+PartEstimate estimatePart(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest,
+                          ContactEdges edges) {
+    return SixMotionEstimator(recording, model, part, rest, edges).estimate();
 }
 
 bool determinesPart(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest) {

@@ -22,7 +22,8 @@ struct PartEstimate {
 /// @param part mobile or fixed, with at least one channel
 /// @param rest pose at the static equilibrium, from which displacements count
 /// @throws InputError if neither displacements nor accelerations determine all six motions, naming those left open.
-PartEstimate estimatePart(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest);
+PartEstimate estimatePart(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest,
+                          ContactEdges edges = ContactEdges::sampled);
 
 /// True if displacement, velocity or acceleration channels of this part determine all six motions.
 bool determinesPart(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest);

@@ -161,14 +161,15 @@ Eigen::MatrixXd TestProblem::calcExactRelative(std::size_t index, const TestPoin
     const TestRun& run = runs_[index];
     const Recording exact = correctSensors(run.recording, layout_, point.state.sensors, &run.motion);
     const bool integrated = !run.motion.mobile.displacement_measured && !point.state.sensors.isZero();
-    return calcMeasuredRelative(exact, integrated ? estimateMotion(exact, believed_) : run.motion, believed_);
+    return calcMeasuredRelative(
+        exact, integrated ? estimateMotion(exact, believed_, ContactEdges::filtered) : run.motion, believed_);
 }
 
 TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point, const TestPoint& weighed) const {
     TestRun corrected = run;
     if (point.state.sensors.isZero() && weighed.state.sensors.isZero()) return corrected;
     corrected.recording = correctSensors(run.recording, layout_, point.state.sensors, &run.motion);
-    corrected.motion = estimateMotion(corrected.recording, believed_);
+    corrected.motion = estimateMotion(corrected.recording, believed_, ContactEdges::filtered);
     // Taking a gain off a channel takes it off the channel's noise.
     for (std::size_t g = 0; g < layout_.groups.size(); ++g) {
         const auto& channels = layout_.groups[g].channels;
