@@ -14,9 +14,9 @@
 namespace wems::identify {
 namespace {
 
-// In units of the highest excited frequency f: harmonics up to the fourth, as laws act on the smoothed motion; then a
-// transition band; and a rate that holds what is left.
-constexpr double kPass = 4.4, kStop = 7.6, kLeastRate = 19;
+// In units of the highest frequency that is kept: the end of a transition band, and a rate that holds what is left.
+constexpr double kStop = 1.73, kLeastRate = 4.3;
+constexpr double kOfNyquist = 0.95;             // where the transition band ends at the latest
 constexpr double kTaper = 0.75;                 // periods of the lowest excited frequency
 constexpr double kLongestTaper = 0.05;          // of the recording
 constexpr double kSmallestNoise = 1e-8;         // m: round-off of a file, where the noise is not known
@@ -44,6 +44,11 @@ SmoothPart smooth(const PartMotion& part, const SmoothingKernel& kernel, int ste
         result.alpha.col(k) = B * u2 + (0.5 * U + (T * U + U * T) / 6.0) * u;
     }
     return result;
+}
+
+/// Hz, up to which the low pass is flat.
+double calcPass(double interval, const ExcitedBand& band) {
+    return std::min(band.harmonics * band.highest, kOfNyquist * 0.5 / interval / kStop);
 }
 
 double knownNoise(double measured) {
@@ -102,12 +107,13 @@ void calcRelative(const MountModel& model, const SmoothPart& mobile, const Smoot
 }
 
 SmoothingKernel makeKernel(double interval, const ExcitedBand& band) {
-    const double stop = std::min(kStop * band.highest, 0.95 * 0.5 / interval);
-    return {interval, std::min(kPass * band.highest, kPass / kStop * stop), stop};
+    const double pass = calcPass(interval, band);
+    return {interval, pass, kStop * pass};
 }
 
 int findDecimation(double interval, const ExcitedBand& band) {
-    return std::max(1, static_cast<int>(std::floor(1.0 / interval / (kLeastRate * band.highest) + 1e-9)));
+    return std::max(1,
+                    static_cast<int>(std::floor(1.0 / interval / (kLeastRate * band.harmonics * band.highest) + 1e-9)));
 }
 
 OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const ExcitedBand& band,
@@ -116,7 +122,7 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
     result.file = run.file;
     result.raw_interval = run.interval;
     result.band = band;
-    result.pass = std::min(kPass * band.highest, kPass / kStop * 0.95 * 0.5 / run.interval);
+    result.pass = calcPass(run.interval, band);
     const SmoothingKernel kernel = makeKernel(run.interval, band);
     const int step = findDecimation(run.interval, band);
     result.interval = run.interval * step;

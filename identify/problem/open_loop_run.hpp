@@ -15,6 +15,8 @@ namespace wems::identify {
 /// The band that a recording excites, Hz, from which all lengths of filters and tapers follow.
 struct ExcitedBand {
     double lowest = 0, highest = 0;
+    /// Laws act on the motion up to this multiple of the highest excited frequency, or as far as the samples reach.
+    double harmonics = 4.4;
 };
 
 /// One rigid part; column k belongs to sample k. In G.

@@ -11,6 +11,9 @@
 namespace wems::identify {
 namespace {
 
+// A stop bends the motion: with 4.4 harmonics a true model in deep contact left 230 and 2600 times the noise where it
+// leaves 23 and 510 with 13.
+constexpr double kHarmonics = 13;
 constexpr double kSpectrumBands = 4;  // bands of the noise's spectrum below the lowest excited frequency
 constexpr double kLeastNoise = 1e-7;  // of a channel's RMS: what a file of seven digits rounds off
 constexpr double kUnseen = 1e-10;     // relative singular value of motions that channels do not show
@@ -85,8 +88,8 @@ TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, c
         throw InputError({recording.file, 0, {}},
                          "no motion stands out from the noise, so that nothing is known of the mount",
                          "a recording in which the device is driven or rings");
-    run.band = {run.swept.lowest, run.swept.highest};
-    run.motion = estimateMotion(run.recording, believed);
+    run.band = {run.swept.lowest, run.swept.highest, kHarmonics};
+    run.motion = estimateMotion(run.recording, believed, ContactEdges::filtered);
     const double interval = run.motion.interval, resolution = run.band.lowest / kSpectrumBands;
     for (std::size_t g = 0; g < layout.groups.size(); ++g) {
         const GroupSamples samples = collectGroup(run.recording, layout, static_cast<int>(g));
