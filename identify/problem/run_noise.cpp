@@ -24,15 +24,29 @@ Matrix6 calcFitCovariance(const SensorLayout& layout, const TestRun& run, int gr
     return (design.transpose() * design).completeOrthogonalDecomposition().pseudoInverse();
 }
 
-/// Mean square of the stops' stiffness along the run: what the noise of a displacement meets in contact.
-double calcContactSquare(const OpenLoopRun& run, const AxisForce& force, Eigen::Index row) {
-    double square = 0;
+/// Stiffness of the stops along the run, beside that at rest: what the noise of a displacement meets in contact.
+Eigen::RowVectorXd calcContactStiffness(const OpenLoopRun& run, const AxisForce& force, Eigen::Index row) {
+    Eigen::RowVectorXd stop(run.sampleCount());
     const double free = force.calcStaticStiffness(0);
-    for (int k = 0; k < run.sampleCount(); ++k) {
-        const double stop = force.calcStaticStiffness(run.q(row, k)) - free;
-        square += stop * stop;
+    for (int k = 0; k < run.sampleCount(); ++k) stop[k] = force.calcStaticStiffness(run.q(row, k)) - free;
+    return stop;
+}
+
+/// Variance of a sample of the two motions' noise, as white noise of the density at each bin of the transform; what the
+/// motions themselves have wrong stands where they are.
+std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> calcDensities(const OpenLoopRun& run, const MotionNoise& motion,
+                                                                      const EquationSpectra& spectra,
+                                                                      const Eigen::MatrixXd& wrong) {
+    std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> densities;
+    const double kept = run.raw_interval / run.interval;
+    for (Eigen::Index k = 0; k < spectra.densityCount(); ++k) {
+        const double w = kTwoPi * spectra.densityFrequency(std::max<Eigen::Index>(1, k));
+        densities.push_back(kept * (motion.covariance(Part::mobile, w) + motion.covariance(Part::fixed, w)));
     }
-    return square / run.sampleCount();
+    for (Eigen::Index b = 0; b < wrong.cols(); ++b)
+        densities[static_cast<std::size_t>(spectra.firstBin() + b)].diagonal() +=
+            (wrong.col(b).head<6>() + wrong.col(b).tail<6>()) / run.taper.squaredNorm();
+    return densities;
 }
 
 /// Twice integrated acceleration noise is all slow: 2 h σ² / (3 (2π)⁴ f³) above f; contact spreads it over all bins.
@@ -47,6 +61,21 @@ Eigen::VectorXd EquationSpectra::calcSeries(const Eigen::VectorXcd& values) cons
     Eigen::MatrixXcd spectrum = Eigen::MatrixXcd::Zero(1, fourier_.binCount());
     spectrum.row(0).segment(first_, bins_) = values.transpose();
     return fourier_.size() * fourier_.inverse(spectrum, run_->sampleCount()).transpose();
+}
+
+double EquationSpectra::densityFrequency(Eigen::Index k) const {
+    return static_cast<double>(k) / (fourier_.size() * run_->interval);
+}
+
+Eigen::VectorXd EquationSpectra::calcModulated(const Eigen::Ref<const Eigen::RowVectorXd>& factor,
+                                               const Eigen::RowVectorXd& density) const {
+    const Eigen::RowVectorXd tapered = factor.cwiseProduct(run_->taper.transpose());
+    const Eigen::MatrixXcd power = fourier_.forward(tapered).cwiseAbs2().cast<std::complex<double>>();
+    // Convolution of the two spectra as the product of what they are the transforms of.
+    const Eigen::MatrixXd product =
+        fourier_.inverse(power, fourier_.size())
+            .cwiseProduct(fourier_.inverse(density.cast<std::complex<double>>(), fourier_.size()));
+    return fourier_.forward(product).row(0).segment(first_, bins_).real().cwiseMax(0.0).transpose();
 }
 
 EquationSpectra::EquationSpectra(const OpenLoopRun& run, double from, double to)
@@ -135,7 +164,7 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
     relative << Matrix6::Identity(), -Matrix6::Identity();
     const Matrix6 folded = relative * run.aliasing * relative.transpose();
     std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> directions;
-    std::vector<double> contact;
+    std::vector<Eigen::RowVectorXd> contact;
     double corner_variance = 0;
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
@@ -143,7 +172,7 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
             const AxisLaw& law = model.connections[i].axis[static_cast<std::size_t>(a)];
             const Vector6 d = calcAxisDirection(model, c, a);
             directions.push_back(d * d.transpose());
-            contact.push_back(calcContactSquare(run, AxisForce(law), 3 * static_cast<Eigen::Index>(i) + a));
+            contact.push_back(calcContactStiffness(run, AxisForce(law), 3 * static_cast<Eigen::Index>(i) + a));
         }
     if (slow != nullptr) {
         const double w = kTwoPi * slow->cornerFrequency();
@@ -157,7 +186,29 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
         run.load.cols() > 0 ? spectra.calcPower(run.load) : Eigen::MatrixXd::Zero(3, spectra.binCount());
     const double gain = spectra.noiseGain(), part = kDiscrepancy * kDiscrepancy;
 
+    // In contact the noise of all frequencies, modulated by the stop, enters each of them.
+    Eigen::MatrixXd contact_power =
+        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(directions.size()), spectra.binCount());
     contact_variances_.assign(directions.size(), 0.0);
+    std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> densities;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const double square = contact[i].squaredNorm() / static_cast<double>(run.sampleCount());
+        if (!(square > 0)) continue;
+        const Matrix6& along = directions[i];  // d dᵀ: variance along d is dᵀ P d = trace(along P)
+        const auto row = static_cast<Eigen::Index>(i);
+        if (slow != nullptr) {
+            contact_power.row(row).setConstant(
+                square * gain *
+                calcIntegratedVariance(run, slow->cornerFrequency(), 2 * corner_variance + (along * folded).trace()));
+        } else {
+            if (densities.empty()) densities = calcDensities(run, motion, spectra, part * motion_power);
+            Eigen::RowVectorXd density(spectra.densityCount());
+            for (Eigen::Index k = 0; k < density.size(); ++k)
+                density[k] = (along * densities[static_cast<std::size_t>(k)]).trace();
+            contact_power.row(row) = spectra.calcModulated(contact[i], density).transpose();
+        }
+        contact_variances_[i] = contact_power.row(row).mean() / (square * run.taper.squaredNorm());
+    }
     for (Eigen::Index b = 0; b < spectra.binCount(); ++b) {
         const double w = spectra.angular(b);
         const std::complex<double> iw(0, w);
@@ -187,14 +238,8 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
         const Matrix12c PA = P * A.adjoint();
         S += A * PA;
         for (std::size_t i = 0; i < directions.size(); ++i) {
-            if (!(contact[i] > 0)) continue;
-            const Matrix6& along = directions[i];  // d dᵀ: variance along d is dᵀ P d = trace(along P)
-            const double variance =
-                slow != nullptr ? gain * calcIntegratedVariance(run, slow->cornerFrequency(),
-                                                                2 * corner_variance + (along * folded).trace())
-                                : (along * (P.topLeftCorner<6, 6>() + P.bottomRightCorner<6, 6>()).real()).trace();
-            contact_variances_[i] += variance / (run.taper.squaredNorm() * static_cast<double>(spectra.binCount()));
-            S.topLeftCorner<6, 6>() += (contact[i] * variance * along).cast<std::complex<double>>();
+            const double power = contact_power(static_cast<Eigen::Index>(i), b);
+            if (power > 0) S.topLeftCorner<6, 6>() += (power * directions[i]).cast<std::complex<double>>();
         }
         if (!with_bracket) S.bottomRightCorner<6, 6>().setIdentity();
         for (int i = 0; i < 12; ++i) S(i, i) *= 1 + kJitter;

@@ -40,6 +40,14 @@ public:
     Eigen::VectorXd calcSeries(const Eigen::VectorXcd& values) const;
     /// Power that white noise of unit variance in the recording has at a bin.
     double noiseGain() const { return gain_; }
+    /// Power at the bins of noise that a factor's history lets through: the factor's power convolved with the noise's.
+    /// @param factor at each sample; @param density variance of a sample, as white noise, at all bins of the transform
+    ///     (densityFrequency)
+    Eigen::VectorXd calcModulated(const Eigen::Ref<const Eigen::RowVectorXd>& factor,
+                                  const Eigen::RowVectorXd& density) const;
+    Eigen::Index firstBin() const { return first_; }
+    Eigen::Index densityCount() const { return fourier_.binCount(); }
+    double densityFrequency(Eigen::Index k) const;  ///< Hz
     /// Smoothed power of tapered rows at the bins.
     Eigen::MatrixXd calcPower(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
 
