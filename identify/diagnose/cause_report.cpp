@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/catalogue/hypotheses.hpp"
 #include "identify/fit/student.hpp"
 #include "models/parameter_access.hpp"
 
@@ -94,20 +95,6 @@ void addSensorCause(const ChannelFault& fault, double error_ratio, bool unexplai
     sortByGain(causes);
 }
 
-std::string findSeparatingRun(const Candidate& named, const Candidate& rival) {
-    const auto involves = [&](const char* cause) { return named.cause == cause || rival.cause == cause; };
-    if (involves("preload"))
-        return "a run with gravity along the axis, or turned by 180°: the offset moves with the load, a stop does not";
-    if (involves("mass") || involves("load")) return "weigh the mobile part, or measure a force";
-    if (involves("stiffness_drift")) return "a downward sweep of the same level";
-    if (involves("relaxation") || involves("structural_damping"))
-        return "a dwell at two frequencies an octave apart, same level";
-    if (involves("friction") || involves("cubic_stiffness")) return "the same sweep at a quarter of the level";
-    if (involves("clearance") || involves("stop_stiffness") || involves("stop_dissipation"))
-        return "a higher level, which presses the stop further";
-    return "a sweep at another level and along another axis";
-}
-
 std::vector<Cause> makeCauseReports(const Selection& selection, const std::vector<Judgement>& without,
                                     const Judgement& after, bool unexplained) {
     std::vector<Cause> causes;
@@ -130,7 +117,7 @@ std::vector<Cause> makeCauseReports(const Selection& selection, const std::vecto
             rival.candidate.apply(model, rival.values);
             cause.rivals.push_back({rival.candidate.cause, rival.candidate.where,
                                     makeParameters(rival.candidate, model, {}),
-                                    findSeparatingRun(candidate, rival.candidate)});
+                                    updating::findSeparatingRun(candidate.cause, rival.candidate.cause)});
         }
         if (!cause.rivals.empty()) cause.probability = std::min(cause.probability, 0.6);
         const auto known =

@@ -31,7 +31,4 @@ std::vector<Cause> makeCauseReports(const Selection& selection, const std::vecto
 /// unless the error without it is much larger
 void addSensorCause(const ChannelFault& fault, double error_ratio, bool unexplained, std::vector<Cause>& causes);
 
-/// The run that would tell two causes apart.
-std::string findSeparatingRun(const Candidate& named, const Candidate& rival);
-
 }  // namespace wems::identify

@@ -8,6 +8,7 @@
 #include <complex>
 
 #include "identify/problem/bracket_equation.hpp"
+#include "identify/problem/fourier.hpp"
 #include "identify/problem/mount_equation.hpp"
 #include "models/bryant.hpp"
 #include "models/pi.hpp"
@@ -33,20 +34,6 @@ Matrix6 calcRigidCovariance(const MountModel& model) {
             information += d * d.transpose();
         }
     return information.inverse();
-}
-
-/// Power of each row at each bin, smoothed by a moving average of 2 half + 1 bins.
-Eigen::MatrixXd smoothPower(const Eigen::MatrixXcd& spectra, Eigen::Index half) {
-    const Eigen::MatrixXd power = spectra.cwiseAbs2();
-    Eigen::MatrixXd result(power.rows(), power.cols());
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(power.rows());
-    Eigen::Index first = 0, last = -1;
-    for (Eigen::Index k = 0; k < power.cols(); ++k) {
-        while (last < std::min(power.cols() - 1, k + half)) sum += power.col(++last);
-        while (first < k - half) sum -= power.col(first++);
-        result.col(k) = (sum / static_cast<double>(last - first + 1)).cwiseMax(0.0);
-    }
-    return result;
 }
 
 double effectiveVariance(double displacement, double acceleration, double w) {

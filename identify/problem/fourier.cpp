@@ -72,4 +72,17 @@ Eigen::MatrixXd Fourier::inverse(const Eigen::Ref<const Eigen::MatrixXcd>& spect
     return result;
 }
 
+Eigen::MatrixXd smoothPower(const Eigen::MatrixXcd& spectra, Eigen::Index half) {
+    const Eigen::MatrixXd power = spectra.cwiseAbs2();
+    Eigen::MatrixXd result(power.rows(), power.cols());
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(power.rows());
+    Eigen::Index first = 0, last = -1;
+    for (Eigen::Index k = 0; k < power.cols(); ++k) {
+        while (last < std::min(power.cols() - 1, k + half)) sum += power.col(++last);
+        while (first < k - half) sum -= power.col(first++);
+        result.col(k) = (sum / static_cast<double>(last - first + 1)).cwiseMax(0.0);
+    }
+    return result;
+}
+
 }  // namespace wems::identify

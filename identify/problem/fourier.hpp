@@ -32,4 +32,7 @@ private:
     std::unique_ptr<Plans> plans_;
 };
 
+/// Power of each row at each bin, smoothed by a moving average of 2 half + 1 bins.
+Eigen::MatrixXd smoothPower(const Eigen::MatrixXcd& spectra, Eigen::Index half);
+
 }  // namespace wems::identify

@@ -100,18 +100,8 @@ Eigen::MatrixXcd EquationSpectra::transform(const Eigen::Ref<const Eigen::Matrix
 }
 
 Eigen::MatrixXd EquationSpectra::calcPower(const Eigen::Ref<const Eigen::MatrixXd>& rows) const {
-    const Eigen::MatrixXd power = transform(rows).cwiseAbs2();
     const double spacing = 1 / (fourier_.size() * run_->interval);
-    const auto half = static_cast<Eigen::Index>(0.5 * kSmoothedOver * run_->band.lowest / spacing);
-    Eigen::MatrixXd result(power.rows(), power.cols());
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(power.rows());
-    Eigen::Index first = 0, last = -1;
-    for (Eigen::Index k = 0; k < power.cols(); ++k) {
-        while (last < std::min(power.cols() - 1, k + half)) sum += power.col(++last);
-        while (first < k - half) sum -= power.col(first++);
-        result.col(k) = (sum / static_cast<double>(last - first + 1)).cwiseMax(0.0);
-    }
-    return result;
+    return smoothPower(transform(rows), static_cast<Eigen::Index>(0.5 * kSmoothedOver * run_->band.lowest / spacing));
 }
 
 MotionNoise::MotionNoise(const TestRun& run, const SensorLayout& layout) {
