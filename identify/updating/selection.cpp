@@ -80,7 +80,9 @@ private:
     bool step(int round) {
         tell("round " + std::to_string(round + 1));
         state_.view = problem_.view(state_.point);
-        state_.scales = settler_.scalesOf(calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point)));
+        const std::vector<double> misfits = calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point));
+        state_.scales = settler_.scalesOf(misfits);
+        excess_ = excessOf(misfits);
         const Evidence evidence = ownEvidence();
         // One cause more at a time: the next one is sought about a state that has this one.
         const std::size_t largest = std::min(kMostCauses, state_.set.size() + 1);
@@ -120,20 +122,27 @@ private:
     /// Whether some set would leave at most half of what exceeds the noise, by the quadratic, or that is little anyway.
     bool isHopeful(const Evidence& evidence, const std::vector<RankedSet>& candidates) const {
         const Information all = sumOf(state_.view, true);
-        const auto excessOf = [](const std::vector<double>& misfits) {
-            return *std::max_element(misfits.begin(), misfits.end()) - 1;
-        };
-        const double present = excessOf(calcMisfits(all, problem_.estimateOf(state_.point)));
-        if (present < kSatisfied - 1) return true;
+        if (excess_ < kSatisfied - 1) return true;
         int seen = 0;
         for (const RankedSet& entry : candidates) {
             if (++seen > static_cast<int>(kTried)) break;
-            if (excessOf(calcMisfits(all, evidence.solve(entry.members).mean)) < 0.5 * present) return true;
+            if (excessOf(calcMisfits(all, evidence.solve(entry.members).mean)) < 0.5 * excess_) return true;
         }
         return false;
     }
 
-    /// Settles a set and takes it if what it adds lies beyond its tolerance and serves the prediction.
+    /// Beyond the noise, of the block that leaves most.
+    static double excessOf(const std::vector<double>& misfits) {
+        return *std::max_element(misfits.begin(), misfits.end()) - 1;
+    }
+
+    /// Whether equations that leave more than noise leave half of it with a set, whatever the prediction makes of that.
+    bool takesHalf(const SetState& next) const {
+        return excess_ >= kSatisfied - 1 &&
+               excessOf(calcMisfits(sumOf(next.view, true), problem_.estimateOf(next.point))) < 0.5 * excess_;
+    }
+
+    /// Settles a set and takes it if what it adds lies beyond its tolerance and serves the prediction or the equations.
     bool accept(const Trial& trial) {
         const TestProblem::Memento before = problem_.adopt(trial.set);
         SetState next;
@@ -147,6 +156,9 @@ private:
             problem_.restore(before);
             return false;
         }
+        if (takesHalf(next))
+            for (const int h : next.set)
+                if (!std::binary_search(state_.set.begin(), state_.set.end(), h)) needed_.push_back(h);
         state_ = std::move(next);
         error_ = error;
         return true;
@@ -155,10 +167,11 @@ private:
     bool isWorthwhile(const SetState& next, double error) const {
         if (!isPossible(problem_, next.set, problem_.estimateOf(next.point))) return false;
         double most = (1 + kWorth) * error_;
+        const bool needed = takesHalf(next);
         for (const int h : next.set) {
             if (std::binary_search(state_.set.begin(), state_.set.end(), h)) continue;
             if (!isBeyondTolerance(problem_, at(h), next.point)) return false;
-            if (!isSensorFault(at(h))) most = (1 - kWorth) * error_;
+            if (!needed && !isSensorFault(at(h))) most = (1 - kWorth) * error_;
         }
         return error <= most;
     }
@@ -226,6 +239,7 @@ private:
             const Evidence evidence = ownEvidence();
             for (const int h : state_.set) {
                 if (isSensorFault(at(h)) || result_.beyond.count(h) > 0 ||
+                    std::find(needed_.begin(), needed_.end(), h) != needed_.end() ||
                     judge_(holdBack(problem_, state_, h, evidence)) >= (1 + kWorth) * error_)
                     continue;
                 state_.set.erase(std::find(state_.set.begin(), state_.set.end(), h));
@@ -319,7 +333,9 @@ private:
     const std::function<void(const std::string&)>& progress_;
     Settler settler_;
     SetState state_;
-    double error_ = 0;  // of the prediction at the present state
+    double error_ = 0;         // of the prediction at the present state
+    double excess_ = 0;        // of the equations at the present state, beyond the noise
+    std::vector<int> needed_;  // causes without which the equations leave twice as much
     Selection result_;
 };
 
