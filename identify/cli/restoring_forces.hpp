@@ -24,7 +24,7 @@ namespace wems::identify::cli {
 
 /// A measured motion, its slow part included, and what drove it.
 struct MovedRun {
-    const RunMotion* motion;
+    const RunMotion* motion = nullptr;
     SweptFrequency swept;
 };
 
