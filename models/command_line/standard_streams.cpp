@@ -46,10 +46,12 @@ void reportSignal(int) {
 }  // namespace
 }  // namespace wems
 
+#ifndef WEMS_SANITIZED  // where that line is wanted
 /// Of the C library, where a failed assert() ends: it would print a line of the source and leave a core.
 extern "C" void __assert_fail(const char*, const char*, unsigned, const char*) noexcept {  // NOLINT
     wems::reportInternalError();
 }
+#endif
 
 namespace wems {
 
