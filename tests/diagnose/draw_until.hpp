@@ -2,7 +2,9 @@
 /// Tests on cases drawn at random, some of which fail: the diagnosis' documentation says how often.
 #pragma once
 
+#include <array>
 #include <catch2/catch.hpp>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <random>
@@ -12,23 +14,29 @@
 
 namespace wems::test {
 
-/// Draws cases until `needed` of at most `most` are right, and fails if they are not. The numbers are such that at the
-/// documented rates chance alone breaks a test once in some thousand runs.
+/// Draws cases until it is clear whether the diagnosis is right as often as it should be (a sequential test). It passes
+/// with four right cases, or with 8, 11 or 14 where one, two or three before were wrong, and fails with the fourth
+/// wrong one. From the sums over all ways through these limits: a diagnosis that is right in 98 of 100 cases fails once
+/// in 6000 tests, in 95 of 100 once in 200 and draws 5.2 cases; one that is right half the time is caught in 92.5 of
+/// 100 tests, one that never is with the fourth case.
 /// @param run a case of a seed; returns what is wrong with its diagnosis, empty if nothing
-inline void drawUntil(int needed, int most, const std::function<std::string(std::uint64_t)>& run) {
+inline void drawUntilClear(const std::function<std::string(std::uint64_t)>& run) {
+    constexpr std::array<int, 4> needed{4, 8, 11, 14};  // right ones, by how many were wrong
     std::mt19937_64 seeds(drawSeed());
-    int right = 0, draws = 0;
-    for (; draws < most && right < needed; ++draws) {
+    int right = 0;
+    std::size_t wrong = 0;
+    while (wrong < needed.size() && right < needed[wrong]) {
         const std::uint64_t seed = seeds();
-        const std::string wrong = run(seed);
-        if (wrong.empty()) {
+        const std::string problem = run(seed);
+        if (problem.empty()) {
             ++right;
         } else {
-            WARN("seed " << seed << ": " << wrong);
+            ++wrong;
+            WARN("seed " << seed << ": " << problem);
         }
     }
-    CAPTURE(draws);
-    CHECK(right == needed);
+    CAPTURE(right, wrong);
+    CHECK(wrong < needed.size());
 }
 
 }  // namespace wems::test

@@ -54,7 +54,7 @@ std::string findHidden(const MountModel& model, const std::string& parameter, do
 }  // namespace
 
 TEST_CASE("Nothing is missing where the model is the truth", "[diagnose]") {
-    test::drawUntil(2, 4, [](std::uint64_t seed) -> std::string {
+    test::drawUntilClear([](std::uint64_t seed) -> std::string {
         std::mt19937_64 random(seed);
         const auto model = identify::testing::makeRandomDevice(random);
         const auto recordings = recordAll(model, random);
@@ -68,7 +68,7 @@ TEST_CASE("Nothing is missing where the model is the truth", "[diagnose]") {
 
 TEST_CASE("A hidden body parameter is found", "[diagnose]") {
     if (test::isTooSlow()) return;
-    test::drawUntil(2, 4, [](std::uint64_t seed) {
+    test::drawUntilClear([](std::uint64_t seed) {
         std::mt19937_64 random(seed);
         const auto model = identify::testing::makeRandomDevice(random);
         switch (std::uniform_int_distribution<int>(0, 2)(random)) {
@@ -85,7 +85,7 @@ TEST_CASE("A hidden body parameter is found", "[diagnose]") {
 
 TEST_CASE("A hidden parameter of a connection is found", "[diagnose]") {
     if (test::isTooSlow()) return;
-    test::drawUntil(2, 4, [](std::uint64_t seed) {
+    test::drawUntilClear([](std::uint64_t seed) {
         std::mt19937_64 random(seed);
         const auto model = identify::testing::makeRandomDevice(random);
         switch (std::uniform_int_distribution<int>(0, 2)(random)) {
@@ -105,7 +105,7 @@ TEST_CASE("A hidden parameter of a connection is found", "[diagnose]") {
 // 5 % are drawn again.
 TEST_CASE("A hidden dissipation of all axial stops is found", "[diagnose]") {
     if (test::isTooSlow()) return;
-    test::drawUntil(2, 6, [](std::uint64_t seed) -> std::string {
+    test::drawUntilClear([](std::uint64_t seed) -> std::string {
         std::mt19937_64 random(seed);
         Diagnosis diagnosis;
         do {
@@ -124,7 +124,7 @@ TEST_CASE("A hidden dissipation of all axial stops is found", "[diagnose]") {
 
 TEST_CASE("A bracket mode that the modes file lacks is found", "[diagnose]") {
     if (test::isTooSlow()) return;
-    test::drawUntil(2, 4, [](std::uint64_t seed) -> std::string {
+    test::drawUntilClear([](std::uint64_t seed) -> std::string {
         std::mt19937_64 random(seed);
         const auto truth = identify::testing::makeRandomDevice(random);
         auto model = truth;
@@ -149,7 +149,7 @@ TEST_CASE("A bracket mode that the modes file lacks is found", "[diagnose]") {
 
 TEST_CASE("A faulty channel is found without any force law", "[diagnose]") {
     if (test::isTooSlow()) return;
-    test::drawUntil(2, 4, [](std::uint64_t seed) -> std::string {
+    test::drawUntilClear([](std::uint64_t seed) -> std::string {
         std::mt19937_64 random(seed);
         const auto model = identify::testing::makeRandomDevice(random);
         auto recordings = recordAll(model, random);

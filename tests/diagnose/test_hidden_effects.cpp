@@ -45,7 +45,7 @@ std::vector<std::string> listNamed(const Diagnosis& diagnosis) {
 
 TEST_CASE("A random device without hidden effect is left alone", "[diagnose]") {
     if (test::isTooSlow()) return;
-    test::drawUntil(2, 4, [](std::uint64_t seed) -> std::string {
+    test::drawUntilClear([](std::uint64_t seed) -> std::string {
         const auto hidden = draw("none", seed);
         const auto diagnosis = diagnoseCase(hidden, seed);
         if (formatVerdict(diagnosis.verdict) != "nothing_missing" || !listNamed(diagnosis).empty())
@@ -59,7 +59,7 @@ TEST_CASE("A random device without hidden effect is left alone", "[diagnose]") {
 
 TEST_CASE("A random hidden effect is named or tied", "[diagnose]") {
     if (test::isTooSlow()) return;
-    test::drawUntil(4, 8, [](std::uint64_t seed) {
+    test::drawUntilClear([](std::uint64_t seed) {
         auto hidden = draw("single", seed);
         for (std::uint64_t next = seed + 1; hidden.displacement_noise == 0; ++next) hidden = draw("single", next);
         const auto named = listNamed(diagnoseCase(hidden, seed));
@@ -72,7 +72,7 @@ TEST_CASE("A random hidden effect is named or tied", "[diagnose]") {
 // for an effect. Folding hides some.
 TEST_CASE("A random effect on body or elastomer is named or tied, from accelerations alone", "[diagnose]") {
     if (test::isTooSlow()) return;
-    test::drawUntil(2, 6, [](std::uint64_t seed) {
+    test::drawUntilClear([](std::uint64_t seed) {
         const std::array<std::string, 3> causes{"mass", "cog_offset", "elastomer_stiffness"};
         const std::string& cause = causes.at(seed % causes.size());
         const auto hidden = draw(cause, seed, hidden::Sensors::accelerations);
@@ -83,7 +83,7 @@ TEST_CASE("A random effect on body or elastomer is named or tied, from accelerat
 
 TEST_CASE("A force that no law describes is unexplained, at its axis", "[diagnose]") {
     if (test::isTooSlow()) return;
-    test::drawUntil(2, 5, [](std::uint64_t seed) -> std::string {
+    test::drawUntilClear([](std::uint64_t seed) -> std::string {
         auto hidden = draw("none", seed);
         for (std::uint64_t next = seed + 1; hidden.displacement_noise == 0; ++next) hidden = draw("none", next);
         // A stiffness that comes and goes with a period of its own.

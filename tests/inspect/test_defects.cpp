@@ -65,6 +65,7 @@ TEST_CASE("Planted defects are found, and nothing else") {
     Count all;
     for (int kind = -1; kind < test::kind_count; ++kind) runCase(kind, random, all);
     for (const auto& remark : all.remarks) UNSCOPED_INFO(remark);
+    // The seed is fixed. A search that finds half of what is planted finds seven or eight of eight in 3.5 of 100 draws.
     CHECK(all.found >= test::kind_count - 1);
     CHECK(all.false_alarms <= 1);
 }
