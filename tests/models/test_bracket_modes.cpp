@@ -86,6 +86,20 @@ TEST_CASE("modes file: what cannot be used is named with file, line and column")
     }
 }
 
+TEST_CASE("modes file: a long cell is shown up to its sixtieth character") {
+    const std::string whole(60, 'x');
+    const auto refuse = [&](const std::string& cell) {
+        try {
+            parseBracketModes(header + "\n" + cell + row.substr(row.find(',')), "m.csv");
+        } catch (const InputError& error) {
+            return error.problem();
+        }
+        return std::string("read");
+    };
+    CHECK(refuse(whole) == "is \"" + whole + "\"");
+    CHECK(refuse(whole + "y") == "is \"" + whole + "…\"");
+}
+
 TEST_CASE("modes file: one that is not there") {
     CHECK_THROWS_WITH(readBracketModes("/nowhere/modes.csv"),
                       Catch::Contains("/nowhere/modes.csv: there is no such file"));

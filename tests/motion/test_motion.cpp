@@ -142,13 +142,22 @@ TEST_CASE("Jittered stamps are interpolated, rounded stamps are taken as uniform
         CHECK(hasNote(run, "not uniform"));
         CHECK(calcErrors(c, run, 100).p < 1e-7);
     }
-    SECTION("rounded to 0.1 ms at 3 kHz") {
+    SECTION("rounded to 0.1 ms at 3 kHz, whenever it begins") {
         c.recording = test::makeEmptyRecording(3000, 2);
         c.add({"x", "y", "z"});
-        for (double& t : c.recording.time) t = std::round(t * 1e4) / 1e4;
+        const double start = GENERATE(0.0, 500.0, -20.0);
+        CAPTURE(start);
+        for (double& t : c.recording.time) t = start + std::round(t * 1e4) / 1e4;
         const RunMotion run = estimateMotion(c.recording, c.model);
         CHECK(hasNote(run, "decimals"));
-        CHECK(run.time[1001] == Approx(1001 / 3000.0).epsilon(1e-9));
+        CHECK(run.time[1001] == Approx(start + 1001 / 3000.0).epsilon(1e-9));
+    }
+    SECTION("uniform, whenever it begins") {
+        c.add({"x", "y", "z"});
+        for (double& t : c.recording.time) t += 500;
+        const RunMotion run = estimateMotion(c.recording, c.model);
+        CHECK_FALSE(hasNote(run, "uniform"));
+        CHECK(run.time == c.recording.time);
     }
 }
 
