@@ -16,6 +16,10 @@ double calcLoadGain(const LoadCorrection& correction, double frequency) {
     return below->second + fraction * (above->second - below->second);
 }
 
+Eigen::Vector3d calcLoadGains(const LoadCorrection& correction, double frequency) {
+    return calcLoadGain(correction, frequency) * correction.axis_gain;
+}
+
 bool dependsOnFrequency(const LoadCorrection& correction) {
     return correction.gain_over_frequency.size() > 1;
 }

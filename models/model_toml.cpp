@@ -154,14 +154,19 @@ void readBracket(TomlTable& table, const std::string& file, MountModel& model) {
 void readLoad(TomlTable& table, MountModel& model) {
     const auto gain = table.findNumber("gain");
     const auto rows = table.findPairs("gain_over_frequency");
+    const auto axis_gain = table.findVector("axis_gain");
     const auto part = table.findString("part");
     const auto position = table.findVector("position");
     if (gain && rows) table.fail("", "has both gain and gain_over_frequency", "gain or gain_over_frequency");
-    if (!gain && !rows && !part && !position)
-        table.fail("", "has no gain", "gain or gain_over_frequency, part, position");
+    if (!gain && !rows && !axis_gain && !part && !position)
+        table.fail("", "has no gain", "gain or gain_over_frequency, axis_gain, part, position");
     if (part && *part != "mobile" && *part != "fixed") table.fail("part", "is \"" + *part + "\"", "mobile, fixed");
     if (gain) model.load = LoadCorrection{{{0.0, *gain}}};
     if (rows) model.load = LoadCorrection{*rows};
+    if (axis_gain) {
+        if (!model.load) model.load = LoadCorrection{{{0.0, 1.0}}};
+        model.load->axis_gain = *axis_gain;
+    }
     const bool mobile = part == "mobile";
     if (mobile || position)
         model.load_point = LoadPoint{mobile ? Part::mobile : Part::fixed, position.value_or(Eigen::Vector3d::Zero())};

@@ -177,6 +177,7 @@ void writeLoadPoint(const LoadPoint& point, Writer& out) {
 
 void writeLoad(const LoadCorrection& load, Writer& out) {
     const auto& rows = load.gain_over_frequency;
+    if (load.axis_gain != Eigen::Vector3d::Ones()) out.key("axis_gain", vector(load.axis_gain));
     if (rows.size() == 1 && rows[0].first == 0) {
         out.number("gain", rows[0].second);
         return;

@@ -91,6 +91,7 @@ void checkBracket(const std::vector<BracketMode>& modes) {
 }
 
 void checkLoad(const LoadCorrection& load) {
+    requireFinite("load.axis_gain", load.axis_gain);
     const auto& rows = load.gain_over_frequency;
     if (rows.empty()) fail("load.gain_over_frequency", "is empty", "at least one [frequency, gain]");
     for (std::size_t i = 0; i < rows.size(); ++i) {

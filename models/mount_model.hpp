@@ -45,9 +45,11 @@ struct Connection {
     std::array<Tolerances, 3> axis_tolerances = {};
 };
 
-/// Applied load = gain(f) · recorded load; f the swept frequency (Hz). A single gain has one row with frequency 0.
+/// Applied load = gain(f) · axis_gain · recorded load; f the swept frequency (Hz). A single gain has one row with
+/// frequency 0.
 struct LoadCorrection {
     std::vector<std::pair<double, double>> gain_over_frequency;  ///< (Hz, -), frequencies ascending
+    Eigen::Vector3d axis_gain = Eigen::Vector3d::Ones();         ///< of fx, fy, fz: each is measured by itself
 };
 
 /// Where the recorded load acts, if not at the bracket's load point.

@@ -155,6 +155,7 @@ double getParameter(const MountModel& model, const std::string& name) {
             return modeEntry(mode, target.parameter);
         }
         case Target::Kind::load:
+            if (target.index >= 0) return model.load ? model.load->axis_gain[target.index] : 1.0;
             return model.load && !model.load->gain_over_frequency.empty()
                        ? model.load->gain_over_frequency.front().second
                        : 1.0;
@@ -200,7 +201,11 @@ void setParameter(MountModel& model, const std::string& name, double value) {
             return;
         }
         case Target::Kind::load:
-            model.load = LoadCorrection{{{0.0, value}}};
+            if (!model.load) model.load = LoadCorrection{{{0.0, 1.0}}};
+            if (target.index >= 0)
+                model.load->axis_gain[target.index] = value;
+            else
+                model.load->gain_over_frequency = {{0.0, value}};
             return;
         case Target::Kind::sensor:
         case Target::Kind::sensor_rotation: {

@@ -10,7 +10,7 @@
 ///     body.mass  body.center_of_gravity.x  body.inertia.Ixx … Iyz  body.spin.x
 ///     3.frequency  3.damping_ratio                       bracket mode, row of the modes file from 1
 ///     3.ux … 3.rz  3.load.ux … 3.base.uz                 its mass-normalised shape, as the modes file names it
-///     load.gain
+///     load.gain, load.gain.x
 ///     mobile.1.az.gain  mobile.1.az.delay  mobile.1.rx   sensor of a channel, a triax (`mobile.1`) or a side
 ///
 /// All values in SI units. A stop that is not there has an infinite clearance, and setting an infinite clearance

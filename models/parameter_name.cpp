@@ -66,6 +66,17 @@ Target parseBody(const std::string& name, const std::vector<std::string>& parts)
     failName(name, "the body has no such parameter");
 }
 
+Target parseLoad(const std::string& name, const std::vector<std::string>& parts) {
+    Target target;
+    target.kind = Target::Kind::load;
+    target.index = -1;
+    if (parts.size() == 2 && parts[1] == "gain") return target;
+    if (parts.size() != 3 || parts[1] != "gain" || !axisIndex(parts[2]))
+        failName(name, "the load has gain, gain.x, gain.y and gain.z only");
+    target.index = *axisIndex(parts[2]);
+    return target;
+}
+
 Target parseSensor(const std::string& name, const std::vector<std::string>& parts) {
     Target target;
     target.channel = join(parts, parts.size() - 1);
@@ -109,11 +120,7 @@ Target parse(const MountModel& model, const std::string& name) {
     if (parts.size() < 2) failName(name, "not the name of a parameter");
     if (parts[0] == "body") return parseBody(name, parts);
     if (parts[0] == "mobile" || parts[0] == "fixed" || parts[0] == "base") return parseSensor(name, parts);
-    if (name == "load.gain") {
-        Target target;
-        target.kind = Target::Kind::load;
-        return target;
-    }
+    if (parts[0] == "load") return parseLoad(name, parts);
     if (isModeParameter(parts)) return parseMode(model, name, parts);
     Target target;
     target.parameter = parts.back();

@@ -14,7 +14,7 @@ struct Target {
     enum class Kind { axis, stop, mass, center_of_gravity, inertia, spin, mode, load, sensor, sensor_rotation };
     Kind kind = Kind::axis;
     int connection = 0;
-    int index = 0;  // axis, component, or mode from 0
+    int index = 0;  // axis, component, or mode from 0; -1: all axes of the load
     Side side = Side::positive;
     std::string parameter;
     std::string channel;

@@ -68,7 +68,8 @@ public:
         Eigen::Vector3d load = Eigen::Vector3d::Zero(), base = Eigen::Vector3d::Zero();
         if (drive_) {
             base = drive_->calcBaseAcceleration(t);
-            if (drive_->hasLoad()) load = calcLoadGain(values.load, drive_->calcFrequency(t)) * drive_->calcLoad(t);
+            if (drive_->hasLoad())
+                load = calcLoadGains(values.load, drive_->calcFrequency(t)).cwiseProduct(drive_->calcLoad(t));
         }
         load = applyLoad(values.load_point, mobile, fixed, load, on_mobile, on_fixed);
         if (modes_ > 0) {

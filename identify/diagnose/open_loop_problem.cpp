@@ -49,7 +49,8 @@ bool sameSides(const MountModel& a, const MountModel& b) {
 
 bool sameLoad(const MountModel& a, const MountModel& b) {
     if (a.load.has_value() != b.load.has_value()) return false;
-    return !a.load || a.load->gain_over_frequency == b.load->gain_over_frequency;
+    return !a.load ||
+           (a.load->gain_over_frequency == b.load->gain_over_frequency && a.load->axis_gain == b.load->axis_gain);
 }
 
 }  // namespace

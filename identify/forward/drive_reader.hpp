@@ -17,28 +17,29 @@ public:
     explicit DriveReader(const DriveRows& drive) : drive_(drive) {}
 
     /// @param place half steps since the first row
-    /// @param gain of the load at all half steps; null = 1
+    /// @param gain of the load's axes at all half steps, 3 for each; null = 1
     void read(double place, const double* gain, int l, Forcing<T>& forcing) const {
         int row = static_cast<int>(place);
         if (row > drive_.count - 1) row = drive_.count - 1;
         const double part = place - row;
         setLane(forcing.elapsed, l, drive_.elapsed + drive_.half_step * place);
         if (drive_.load != nullptr) {
-            double factor = gain == nullptr ? 1.0 : gain[row];
-            if (gain != nullptr && part > 0) factor += part * (gain[row + 1] - gain[row]);
-            setRows(forcing.load, l, drive_.load, row, part, factor);
+            double value[3];
+            interpolateRows(drive_.load, row, part, value);
+            if (gain != nullptr) multiply(value, gain + 3 * static_cast<long>(row), part);
+            setVector(forcing.load, l, value);
         }
-        if (drive_.base != nullptr) setRows(forcing.base, l, drive_.base, row, part, 1.0);
+        if (drive_.base != nullptr) {
+            double value[3];
+            interpolateRows(drive_.base, row, part, value);
+            setVector(forcing.base, l, value);
+        }
         if (drive_.frames != nullptr) setFrame(forcing, l, row, part);
     }
 
 private:
-    void setRows(Vec3<T>& to, int l, const double* table, int row, double part, double factor) const {
-        double value[3];
-        interpolateRows(table, row, part, value);
-        setLane(to.x, l, factor * value[0]);
-        setLane(to.y, l, factor * value[1]);
-        setLane(to.z, l, factor * value[2]);
+    static void multiply(double* value, const double* gain, double part) {
+        for (int i = 0; i < 3; ++i) value[i] *= part > 0 ? gain[i] + part * (gain[i + 3] - gain[i]) : gain[i];
     }
     void interpolateRows(const double* table, int row, double part, double* value) const {
         const double* at = table + 3 * static_cast<long>(row);

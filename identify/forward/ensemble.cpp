@@ -27,7 +27,8 @@ private:
 /// One set on its way through a lane.
 struct Passenger {
     const ForwardModel* model = nullptr;
-    Eigen::VectorXd initial, gains;
+    Eigen::VectorXd initial;
+    Eigen::Matrix3Xd gains;
     Eigen::MatrixXd q;
 };
 

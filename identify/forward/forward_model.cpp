@@ -50,7 +50,7 @@ ForwardModel::ForwardModel(MountModel model)
     rest_.eta_dot = Vector::Zero(modes);
 }
 
-Vector ForwardModel::calcGains(const Drive& drive) const {
+Eigen::Matrix3Xd ForwardModel::calcGains(const Drive& drive) const {
     if (!model_.load || drive.load().cols() == 0) return {};
     const Vector& frequency = drive.sweptFrequency();
     if (frequency.size() == 0) {
@@ -58,10 +58,10 @@ Vector ForwardModel::calcGains(const Drive& drive) const {
             throw InputError({{}, 0, "load.gain_over_frequency"},
                              "the recorded load is no sine sweep whose frequency could be told from its zero crossings",
                              "a sweep, or a single `gain`");
-        return Vector::Constant(drive.load().cols(), calcLoadGain(*model_.load, 0));
+        return calcLoadGains(*model_.load, 0).replicate(1, drive.load().cols());
     }
-    Vector gains(frequency.size());
-    for (Eigen::Index k = 0; k < gains.size(); ++k) gains[k] = calcLoadGain(*model_.load, frequency[k]);
+    Eigen::Matrix3Xd gains(3, frequency.size());
+    for (Eigen::Index k = 0; k < gains.cols(); ++k) gains.col(k) = calcLoadGains(*model_.load, frequency[k]);
     return gains;
 }
 
@@ -210,7 +210,7 @@ Simulation ForwardModel::simulate(const Drive& drive, const ForwardState& initia
     const TimeGrid& grid = drive.grid();
     if (first_sample < 0 || sample_count < 1 || first_sample + sample_count > grid.samples)
         throw std::invalid_argument("ForwardModel::simulate: samples outside the drive's grid");
-    const Vector gains = calcGains(drive);
+    const Eigen::Matrix3Xd gains = calcGains(drive);
     const Eigen::Index size = stateSize(drive);
     const Vector initial_state = packState(initial, drive);
     Vector last(size);

@@ -73,8 +73,8 @@ public:
     const KernelModel& kernel() const { return kernel_; }
     bool holdsMotions() const { return guide_.active(); }
     Eigen::VectorXd packState(const ForwardState& state, const Drive& drive) const;
-    /// Factors of the load at all table rows; empty = 1. @throws InputError as simulate() does
-    Eigen::VectorXd calcGains(const Drive& drive) const;
+    /// Factors of each axis of the load at all table rows; empty = 1. @throws InputError as simulate() does
+    Eigen::Matrix3Xd calcGains(const Drive& drive) const;
 
     /// Static equilibrium: mobile part at rest, states relaxed.
     const ForwardState& restState() const { return rest_; }

@@ -20,7 +20,7 @@ namespace wems::identify {
 /// One simulation of those that run together.
 struct LaneRun {
     const double* initial = nullptr;             ///< state
-    const double* gain = nullptr;                ///< of the load at all half steps; null = 1
+    const double* gain = nullptr;                ///< of the load's axes at all half steps, 3 for each; null = 1
     double* q = nullptr;                         ///< 3 · connections for each sample
     double *states = nullptr, *rates = nullptr;  ///< at each sample; null = unwanted
     double* last = nullptr;                      ///< the last state; null = unwanted

@@ -85,8 +85,9 @@ PeriodicSystem::PeriodicSystem(const MountModel& model, const HarmonicInput& inp
 }
 
 Eigen::VectorXd PeriodicSystem::calcForce(double frequency) const {
-    const double gain = model_.load ? calcLoadGain(*model_.load, frequency) : 1;
-    return gain * (linear_.load * input_.load) + linear_.base * input_.base;
+    Eigen::Vector3d load = input_.load;
+    if (model_.load) load = calcLoadGains(*model_.load, frequency).cwiseProduct(load);
+    return linear_.load * load + linear_.base * input_.base;
 }
 
 }  // namespace wems

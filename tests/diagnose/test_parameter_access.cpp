@@ -33,6 +33,7 @@ TEST_CASE("What is set is what is read, and nothing else changes", "[parameter]"
                                       "4.load.ux",
                                       "5.base.uz",
                                       "load.gain",
+                                      "load.gain.y",
                                       "mobile.1.az.gain",
                                       "mobile.1.z.delay",
                                       "fixed.2.ry"};

@@ -55,6 +55,13 @@ TEST_CASE("the load correction acts on the recorded load") {
     CHECK(test::calcRelativeError(
               by_gain, ForwardModel(model).simulate(Drive::makeLoad(times, 0.7 * load, {}, grid)).q) < 1e-10);
 
+    // Each axis by its own.
+    Eigen::Matrix3Xd everywhere = Eigen::Vector3d(1, -2, 1.5) * load.row(2), scaled = everywhere;
+    corrected.load->axis_gain = {1.1, 0.8, 0.95};
+    for (int a = 0; a < 3; ++a) scaled.row(a) *= 0.7 * corrected.load->axis_gain[a];
+    CHECK(test::calcRelativeError(ForwardModel(corrected).simulate(Drive::makeLoad(times, everywhere, {}, grid)).q,
+                                  ForwardModel(model).simulate(Drive::makeLoad(times, scaled, {}, grid)).q) < 1e-10);
+
     corrected.load = LoadCorrection{{{10.0, 1.0}, {40.0, 0.4}}};  // falls linearly with time: f = 10 + 30 t
     Eigen::Matrix3Xd falling = load;
     for (int k = 0; k < grid.samples; ++k) falling.col(k) *= 1 - 0.6 * grid.sampleTime(k);

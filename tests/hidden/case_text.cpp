@@ -81,8 +81,10 @@ json listParameters(const HiddenCase& hidden, const MountModel& truth) {
         }
     for (std::size_t j = 1; j <= truth.bracket.size(); ++j)
         for (const char* name : {".frequency", ".damping_ratio"}) add(std::to_string(j) + name);
-    if (hidden.set_up.loaded() && !(truth.load && truth.load->gain_over_frequency.size() > 1))
-        values["load.gain"] = getParameter(truth, "load.gain") / hidden.sensors.load_gain;
+    // Of several axes only the products of the common gain and their own are told.
+    if (hidden.set_up.loaded() && hidden.set_up.oneAxis() &&
+        !(truth.load && truth.load->gain_over_frequency.size() > 1))
+        values["load.gain"] = getParameter(truth, "load.gain") / hidden.sensors.load_gain.z();
     const bool both = hidden.displacement_noise > 0 && hidden.acceleration_noise > 0;
     const auto& errors = hidden.sensors;
     if (hidden.displacement_noise > 0) {

@@ -86,7 +86,7 @@ private:
         if (drive.frequency.size() > 0)
             frequency = resample(drive.frequency.transpose(), drive.rate, 1 / half_step_, drive_.cols());
         for (Eigen::Index k = 0; k < drive_.cols(); ++k)
-            drive_.col(k) *= calcLoadGain(*model_.load, frequency.size() > 0 ? frequency[k] : 0.0);
+            drive_.col(k).array() *= calcLoadGains(*model_.load, frequency.size() > 0 ? frequency[k] : 0.0).array();
     }
 
     void calcTurning(const Vector& y, const BodyMotion& mobile, const Wrench& on_mobile, Vector& rates) const {

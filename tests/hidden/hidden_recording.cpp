@@ -61,7 +61,7 @@ public:
         const double noise =
             hidden_.sensors.load_noise * std::sqrt(load.squaredNorm() / static_cast<double>(load.cols()));
         for (int a = hidden_.set_up.oneAxis() ? 2 : 0; a < 3; ++a) {
-            Eigen::VectorXd signal = hidden_.sensors.load_gain * load.row(a).transpose();
+            Eigen::VectorXd signal = hidden_.sensors.load_gain[a] * load.row(a).transpose();
             if (noise > 0)
                 for (double& value : signal) value += noise * std::sqrt(finer_ / 0.82) * normal(random_);
             add(std::string("load.f") + kAxes[a], "N", signal, recording);

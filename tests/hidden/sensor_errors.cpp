@@ -35,7 +35,7 @@ SensorErrors drawSensorErrors(int level, std::size_t count, double time_scale, R
     errors.fixed_displacement = drawTriaxes(sizes, count, random);
     errors.fixed_acceleration = drawTriaxes(sizes, count, random);
     errors.base = drawTriaxes(sizes, 1, random);
-    errors.load_gain = 1 + sizes.load_gain * drawUniform(random, -1, 1);
+    for (double& gain : errors.load_gain) gain = 1 + sizes.load_gain * drawUniform(random, -1, 1);
     errors.load_noise = sizes.load_noise;
     errors.filtered = level > 0;
     errors.pink = sizes.share * drawUniform(random, 0.3, 1);

@@ -18,8 +18,8 @@ struct TriaxErrors {
 
 struct SensorErrors {
     TriaxErrors mobile_displacement, mobile_acceleration, fixed_displacement, fixed_acceleration, base;
-    double load_gain = 1;      ///< recorded over applied
-    double load_noise = 0;     ///< of the load's RMS
+    Eigen::Vector3d load_gain = Eigen::Vector3d::Ones();  ///< recorded over applied
+    double load_noise = 0;                                ///< of the load's RMS
     bool filtered = false;     ///< Butterworth, fourth order, 0.4 of the sampling rate, in all channels alike
     double pink = 0;           ///< RMS of the 1/f part over that of the white one
     double hum = 0;            ///< RMS over that of the white noise

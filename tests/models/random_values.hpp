@@ -85,6 +85,7 @@ public:
         if (chance()) {
             model.load = LoadCorrection{{{0.0, number(0.5, 2)}}};
             if (chance()) model.load = LoadCorrection{{{5.0, number(0.5, 2)}, {number(10, 50), 1.0}}};
+            if (chance()) model.load->axis_gain = {number(0.9, 1.1), number(0.9, 1.1), 1};
         }
         if (chance()) model.sensors.push_back({"mobile.c1.az", number(0.8, 1.2), number(-1e-3, 1e-3), vector(0.1)});
         if (chance()) drawTolerances(model);

@@ -73,7 +73,10 @@ void checkSame(const MountModel& a, const MountModel& b) {
     }
     CHECK(a.replaced_modes == b.replaced_modes);
     REQUIRE(a.load.has_value() == b.load.has_value());
-    if (a.load) CHECK(a.load->gain_over_frequency == b.load->gain_over_frequency);
+    if (a.load) {
+        CHECK(a.load->gain_over_frequency == b.load->gain_over_frequency);
+        CHECK(a.load->axis_gain == b.load->axis_gain);
+    }
     REQUIRE(a.sensors.size() == b.sensors.size());
     for (std::size_t i = 0; i < a.sensors.size(); ++i) {
         CHECK(a.sensors[i].channel == b.sensors[i].channel);

@@ -84,6 +84,8 @@ TEST_CASE("names of parameters taken apart") {
     CHECK(parameter::parse(model, "body.mass").kind == Kind::mass);
     CHECK(parameter::parse(model, "body.center_of_gravity.z").index == 2);
     CHECK(parameter::parse(model, "load.gain").kind == Kind::load);
+    CHECK(parameter::parse(model, "load.gain.y").index == 1);
+    CHECK_THROWS_WITH(parameter::parse(model, "load.gain.w"), Catch::Contains("gain.x, gain.y and gain.z"));
     CHECK(parameter::parse(model, "mobile.a.az.gain").channel == "mobile.a.az");
     for (const char* wrong : {"b.x.stiffness", "a.w.stiffness", "body.colour", "7.frequency", "", "..."})
         CHECK_THROWS_AS(parameter::parse(model, wrong), InputError);
