@@ -118,6 +118,8 @@ private:
     bool isUnexplained() const {
         if (!leavesMuch()) return false;
         const Selection& selection = pass_.selection;
+        // A misfit that is no number satisfies nothing.
+        if (!std::isfinite(selection.validation_after) || !std::isfinite(selection.identification_after)) return true;
         if (!selection.accepted.empty() && result_.error_after.validation <= corrected_before_.validation)
             return exceedsExpected(pass_.judge_group, selection.validation_after, kMisfitOfCauses, kAnyMisfit);
         return exceedsExpected(pass_.judge_group, selection.validation_after, kMisfitOfNothing, kMisfitOfCauses) ||
