@@ -106,9 +106,6 @@ bool isExactlyKnown(const MountModel& model) {
 std::optional<Diagnosis> diagnoseWithTolerances(const std::vector<Recording>& identification,
                                                 const std::vector<Recording>& validation, const MountModel& model,
                                                 const DiagnosisOptions& options) {
-    // The equations of this step are those of a free body.
-    const auto& free = model.body.free;
-    if (!std::all_of(free.begin(), free.end(), [](bool own) { return own; })) return std::nullopt;
     if (isExactlyKnown(model)) return std::nullopt;
     try {
         return updating::updateModel(identification, validation, model, options);
@@ -126,7 +123,10 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
     Diagnosis exact = diagnoseExact(identification, validation, model, options);
     if (exact.verdict != Diagnosis::Verdict::unexplained) return exact;
     auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
-    if (!adjusted || adjusted->verdict == Diagnosis::Verdict::unexplained) return exact;
+    // Of two answers that leave something, the one that predicts better.
+    if (!adjusted || (adjusted->verdict == Diagnosis::Verdict::unexplained &&
+                      exact.error_after.validation <= adjusted->error_after.validation))
+        return exact;
     return std::move(*adjusted);
 }
 

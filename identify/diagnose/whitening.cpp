@@ -33,7 +33,12 @@ Matrix6 calcRigidCovariance(const MountModel& model) {
             const auto d = calcAxisDirection(model, static_cast<int>(i), a);
             information += d * d.transpose();
         }
-    return information.inverse();
+    // Held motions are known.
+    const Vector6 freedom = calcFreedom(model.body);
+    holdMotions(information, freedom, 1);
+    Matrix6 covariance = information.inverse();
+    holdMotions(covariance, freedom, 0);
+    return covariance;
 }
 
 double effectiveVariance(double displacement, double acceleration, double w) {
@@ -52,15 +57,19 @@ double integratedVariance(const OpenLoopRun& run, const SlowBalance& slow, doubl
 /// Noise of a relative displacement as a stop sees it.
 double contactVariance(const OpenLoopRun& run, const SlowBalance* slow, double displacement, double acceleration,
                        double w) {
-    return slow != nullptr ? integratedVariance(run, *slow, acceleration)
-                           : effectiveVariance(displacement, acceleration, w);
+    // A part without accelerometers has nothing that is integrated.
+    return slow != nullptr && std::isfinite(acceleration) ? integratedVariance(run, *slow, acceleration)
+                                                          : effectiveVariance(displacement, acceleration, w);
 }
 
-Matrix6c invertFactor(const Matrix6c& covariance) {
-    Matrix6c regular = covariance;
+/// @param freedom of the equations: held motions have none
+Matrix6c invertFactor(const Matrix6c& covariance, const Vector6& freedom) {
+    Matrix6c regular = freedom.asDiagonal() * covariance * freedom.asDiagonal();
     for (int i = 0; i < 6; ++i) regular(i, i) *= 1 + 1e-9;
+    regular.diagonal() += (Vector6::Ones() - freedom).cast<std::complex<double>>();
     const Matrix6c lower = regular.llt().matrixL();
-    return lower.triangularView<Eigen::Lower>().solve(Matrix6c::Identity());
+    const Matrix6c inverse = lower.triangularView<Eigen::Lower>().solve(Matrix6c::Identity());
+    return freedom.asDiagonal() * inverse;
 }
 
 }  // namespace
@@ -127,7 +136,7 @@ Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_
         if (slow_) S += gain * integratedVariance(run, *slow_, 1.0) * contact_folded;
         for (std::size_t i = 0; i < directions.size(); ++i) S += proportional * force_power[i](0, b) * directions[i];
         S.diagonal() += proportional * demand_power.col(b);
-        factors_[0].push_back(invertFactor(S.cast<std::complex<double>>()));
+        factors_[0].push_back(invertFactor(S.cast<std::complex<double>>(), calcFreedom(model.body)));
         if (!with_bracket_) continue;
         Matrix6c T = Matrix6c::Zero();
         for (const auto& mode : model.bracket) {
@@ -141,7 +150,7 @@ Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_
         predicted << T, -Matrix6c::Identity();
         B += twice * predicted * run.aliasing.cast<std::complex<double>>() * predicted.adjoint();
         for (int i = 0; i < 6; ++i) B(i, i) += proportional * fixed_power(i, b);
-        factors_[1].push_back(invertFactor(B));
+        factors_[1].push_back(invertFactor(B, Vector6::Ones()));
     }
 }
 

@@ -3,10 +3,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <complex>
-#include <limits>
 
+#include "identify/problem/load_wrench.hpp"
 #include "identify/problem/mount_equation.hpp"
-#include "models/load_gain.hpp"
 #include "models/pi.hpp"
 
 namespace wems::identify {
@@ -83,12 +82,13 @@ Eigen::MatrixXd BracketEquation::calcModalForces(const MountModel& model,
 
 Eigen::MatrixXd BracketEquation::calcInputs(const MountModel& model) const {
     Eigen::MatrixXd inputs = Eigen::MatrixXd::Zero(12, run_->sampleCount());
-    inputs.topRows(6) = calcWrench(calcDemand(*run_, model.body, model.gravity));
-    if (run_->load.cols() > 0) inputs.middleRows(6, 3) = run_->load;
-    if (model.load)
-        for (Eigen::Index k = 0; k < run_->load.cols(); ++k)
-            inputs.block<3, 1>(6, k) *= calcLoadGain(
-                *model.load, k < run_->swept.size() ? run_->swept[k] : std::numeric_limits<double>::quiet_NaN());
+    Eigen::MatrixXd demand = calcDemand(*run_, model.body, model.gravity);
+    const Eigen::MatrixXd load = calcLoad(*run_, model);
+    if (loadsMobilePart(*run_, model)) demand -= calcLoadWrench(*run_, *model.load_point, load);
+    inputs.topRows(6) = calcWrench(demand);
+    if (load.cols() > 0 && !model.load_point) inputs.middleRows(6, 3) = load;
+    if (load.cols() > 0 && model.load_point && model.load_point->part == Part::fixed)
+        inputs.topRows(6) += calcLoadWrench(*run_, *model.load_point, load);
     if (run_->base.cols() > 0) inputs.bottomRows(3) = -run_->base;
     return inputs;
 }

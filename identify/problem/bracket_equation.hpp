@@ -30,8 +30,9 @@ public:
     Eigen::MatrixXd calcResponse(const MountModel& model, const Eigen::Ref<const Eigen::MatrixXd>& modal_forces) const;
     /// Modal forces of a demanded wrench of the mobile part (6 x samples, about M's origin).
     Eigen::MatrixXd calcModalForces(const MountModel& model, const Eigen::Ref<const Eigen::MatrixXd>& demand) const;
-    /// What drives the modes: the wrench on the fixed part at F's origin (force above moment), the load with the
-    /// model's correction, and the base acceleration with the opposite sign; 12 x samples.
+    /// What drives the modes: the wrench on the fixed part at F's origin (force above moment), with the load if it acts
+    /// on that part; the load with the model's correction at the bracket's load point; and the base acceleration with
+    /// the opposite sign; 12 x samples.
     Eigen::MatrixXd calcInputs(const MountModel& model) const;
 
     /// Spectra of the inputs of a model: 12 x bins.

@@ -27,10 +27,15 @@ void BlockInformation::add(const BlockInformation& other) {
         both << noise_slopes, other.noise_slopes;
         noise_slopes = both;
     }
-    if (scatter.size() == 0)
-        scatter = other.scatter;
-    else if (other.scatter.size() > 0)
-        scatter += other.scatter;
+    const auto sum = [](auto& own, const auto& added) {
+        if (own.size() == 0)
+            own = added;
+        else if (added.size() > 0)
+            own += added;
+    };
+    sum(scatter, other.scatter);
+    sum(noise, other.noise);
+    sum(noise_right, other.noise_right);
     chi_squared += other.chi_squared;
     count += other.count;
 }
@@ -44,12 +49,16 @@ BlockInformation combine(const Information& information, const BlockScales& scal
     for (std::size_t k = 0; k < kBlocks; ++k) {
         BlockInformation scaled = information[k];
         if (scaled.empty()) continue;
-        scaled.noise_slopes *= scales[k].level / scales[k].scale;
+        scaled.noise_slopes /= scales[k].scale;
         scaled.A /= scales[k].scale;
         scaled.b /= scales[k].scale;
         if (scaled.noise_slopes.size() > 0) scaled.b -= scaled.noise_slopes.rowwise().sum();
         scaled.chi_squared /= scales[k].scale;
         if (scaled.scatter.size() > 0) scaled.scatter /= scales[k].scale;
+        // The columns' noise is that of the channels, whatever a wrong model leaves.
+        const double level = std::min(1.0, scales[k].level) / scales[k].scale;
+        if (scaled.noise.size() > 0) scaled.noise *= level;
+        if (scaled.noise_right.size() > 0) scaled.b += level * scaled.noise_right;
         sum.add(scaled);
     }
     if (sum.empty()) return sum;
@@ -63,8 +72,10 @@ BlockInformation combine(const Information& information, const BlockScales& scal
     if (sum.scatter.size() > 0) C += sum.scatter(seen, seen);
     C.noalias() += kLevelDeviation * kLevelDeviation * slopes * slopes.transpose();
     const Eigen::LLT<Eigen::MatrixXd> factor(C);
-    // A C⁻¹ A with the root of C, so that it stays symmetric.
-    const Eigen::MatrixXd half = factor.matrixL().solve(A);
+    // A' C⁻¹ A' with the root of C, so that it stays symmetric.
+    Eigen::MatrixXd signal = A;
+    if (sum.noise.size() > 0) signal -= sum.noise(seen, seen);
+    const Eigen::MatrixXd half = factor.matrixL().solve(signal);
     const Eigen::VectorXd b = half.transpose() * factor.matrixL().solve(sum.b(seen));
     const auto count = static_cast<Eigen::Index>(seen.size());
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(count, count);

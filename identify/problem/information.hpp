@@ -3,10 +3,10 @@
 ///
 ///     −2 log p(data | θ + δ) ≈ Σ_blocks (χ² + 2 bᵀδ + δᵀA δ) / scale
 ///
-/// with A = JᵀR⁻¹J, χ² = rᵀR⁻¹r of each block's residual r and its covariance R by noise, and b = JᵀR⁻¹r − ν s. The
-/// second term, s = ½ tr(R⁻¹ ∂R), is what the noise of the regressors adds to JᵀR⁻¹r in the mean (errors in variables):
-/// without it the equations, which are homogeneous, would prefer small masses and stiffnesses. ν is the level
-/// of what the fitted model leaves, noise or not: it scales with the forces alike.
+/// with A = JᵀR⁻¹J, χ² = rᵀR⁻¹r of each block's residual r and its covariance R by noise, and b = JᵀR⁻¹r − s. The
+/// second term, s = ½ rᵀR⁻¹ ∂R R⁻¹r, is what the noise of the regressors adds to JᵀR⁻¹r (errors in variables): without
+/// it the equations, which are homogeneous, would prefer small masses and stiffnesses. The same noise stands in A, as N
+/// (column_noise.hpp): along a direction in which the columns' signals cancel it would pass for knowledge.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,9 @@ struct BlockInformation {
     Eigen::MatrixXd A;
     Eigen::VectorXd b;             ///< JᵀR⁻¹r
     Eigen::MatrixXd noise_slopes;  ///< s of each band of frequency of each run, whose noise is known apart
-    Eigen::MatrixXd scatter;       ///< by which JᵀR⁻¹r varies beyond A, where noise comes in bursts; empty: none
+    Eigen::MatrixXd noise;         ///< N: what of A the noise of the regressors makes; empty: nothing
+    Eigen::VectorXd noise_right;  ///< by which N moves b: −N δ, δ from where the columns were formed; empty: nothing
+    Eigen::MatrixXd scatter;      ///< by which JᵀR⁻¹r varies beyond A, where noise comes in bursts; empty: none
     double chi_squared = 0;
     double count = 0;  ///< real values
 
@@ -37,14 +39,14 @@ void add(Information& sum, const Information& other);
 /// How a block's values scatter beside what the noise's estimate says.
 struct BlockScale {
     double scale = 1;  ///< by which its squares weigh less; 1 for a perfect model
-    double level = 1;  ///< ν
+    double level = 1;  ///< of what is left, over the noise
 };
 using BlockScales = std::array<BlockScale, kBlocks>;
 
-/// All blocks together, each over its scale, b with its noise slopes taken off. The level of the noise in each band is
-/// known to a part τ only, so that b scatters by τ s more, and bursts of noise add theirs (V): A and b become A C⁻¹ A
-/// and A C⁻¹ b with C = A + V + τ² Σ s sᵀ. What is a factor on all forces, in which nothing but that level speaks, is
-/// then left to its prior.
+/// All blocks together, each over its scale, b with its noise slopes taken off, A with the regressors' noise: A' = A −
+/// N. The level of the noise in each band is known to a part τ only, so that b scatters by τ s more than by A, and
+/// bursts of noise add theirs (V): A and b become A' C⁻¹ A' and A' C⁻¹ b with C = A + V + τ² Σ s sᵀ. What is a factor
+/// on all forces, in which nothing but that level speaks, is then left to its prior.
 /// @param reach standard deviation of each column where it is free
 BlockInformation combine(const Information& information, const BlockScales& scales, const Eigen::VectorXd& reach);
 

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
+#include "identify/problem/column_noise.hpp"
 #include "identify/problem/lineariser.hpp"
 #include "identify/problem/mount_equation.hpp"
-#include "identify/problem/noise_slopes.hpp"
 #include "identify/problem/sensor_columns.hpp"
 #include "models/bryant.hpp"
 
@@ -18,9 +19,11 @@ constexpr double kUnfold = 1.4142135623730951;  // real and imaginary parts shar
 
 /// Real values of six complex rows: real parts, then imaginary parts, of each bin.
 Eigen::VectorXf unfold(const Eigen::Ref<const Eigen::MatrixXcd>& rows) {
-    const Eigen::MatrixXd real = kUnfold * rows.real(), imaginary = kUnfold * rows.imag();
     Eigen::VectorXf values(2 * rows.size());
-    values << real.reshaped().cast<float>(), imaginary.reshaped().cast<float>();
+    Eigen::Map<Eigen::MatrixXf> real(values.data(), rows.rows(), rows.cols());
+    Eigen::Map<Eigen::MatrixXf> imaginary(values.data() + rows.size(), rows.rows(), rows.cols());
+    real = (kUnfold * rows.real()).cast<float>();
+    imaginary = (kUnfold * rows.imag()).cast<float>();
     return values;
 }
 
@@ -83,16 +86,28 @@ void marginalise(BlockInformation& block, Eigen::Index count, double precision) 
     block.b = b;
 }
 
+/// The inverse of the prior variance of a mode's coordinate when the recording begins: it has moved the bracket no more
+/// than the bracket moved.
+double calcTransientPrecision(const Lineariser& at, const MountModel& model) {
+    Eigen::MatrixXd fixed = at.run().fixed.p;
+    fixed.colwise() -= fixed.rowwise().mean().eval();
+    double largest = 0;
+    for (const auto& mode : model.bracket) largest = std::max(largest, mode.translation.norm());
+    const double amplitude = fixed.cwiseAbs().maxCoeff() / std::max(largest, 1e-300);
+    return 1 / (amplitude * amplitude);
+}
+
 class ColumnMaker {
 public:
     ColumnMaker(const Lineariser& at, const ColumnSet& columns, const TestState& state, Eigen::Index extra)
         : at_(at),
           columns_(columns),
           state_(state),
-          noise_slopes_(at.run(), state.model, at.spectra(), *at.noise()),
+          noise_(at.run(), state.model, at.spectra(), at.noise(), at.residual()),
           mount_(12 * at.spectra().binCount(), columns.size() + extra),
           bracket_(at.hasBracket() ? 12 * at.spectra().binCount() : 0, columns.size() + extra),
-          slopes_(static_cast<std::size_t>(columns.size() + extra), NoiseSlopes::Slope::Zero()) {}
+          slopes_(static_cast<std::size_t>(columns.size() + extra), ColumnNoise::Slope::Zero()),
+          noisy_(static_cast<std::size_t>(columns.size())) {}
 
     void add(Eigen::Index column, const Eigen::MatrixXcd& mount, const Eigen::MatrixXcd& bracket) {
         if (mount.size() == 0 && bracket.size() == 0) return;
@@ -104,9 +119,13 @@ public:
         if (at_.hasBracket()) bracket_.set(column, unfold(white.bottomRows(6)));
     }
 
+    void addBracket(Eigen::Index column, const Eigen::MatrixXcd& white) { bracket_.set(column, unfold(white)); }
+
     void addLaw(Eigen::Index column, const Unknown& row, const TestState& from, const TestState& to, double step) {
         Eigen::VectorXd burst;
         addWhite(column, at_.calcLawColumn(from, to, row.first, row.second, step, burst));
+        setNoise(column, noise_.makeLaw(from, to, row.first, row.second, step));
+        slopes_[static_cast<std::size_t>(column)] += noise_.calcContactSlope(from, to, row.first, row.second, step);
         if (burst.size() > 0) bursts_[3 * row.first + row.second].emplace_back(column, std::move(burst));
     }
 
@@ -132,39 +151,38 @@ public:
                     const double value = row.get(state_);
                     row.set(moved, value + row.step);
                     addLaw(column, row, state_, moved, row.step);
-                    slopes_[static_cast<std::size_t>(column)] =
-                        noise_slopes_.calcLawSlope(state_, moved, row.first, row.second, row.step);
                     resetLaw(moved, row);
                     break;
                 }
                 case UnknownKind::position:
                     mount = at_.calcPositionColumn(row.first, row.second);
-                    slopes_[static_cast<std::size_t>(column)] = noise_slopes_.calcPositionSlope(row.first, row.second);
+                    setNoise(column, noise_.makePosition(row.first, row.second));
                     break;
                 case UnknownKind::body: {
                     row.set(moved, row.get(state_) + row.step);
                     at_.calcBodyColumn(moved, row.step, mount, bracket);
-                    slopes_[static_cast<std::size_t>(column)] = noise_slopes_.calcInertiaSlope(
-                        (calcMassMatrix(moved.model.body) - calcMassMatrix(state_.model.body)) / row.step,
-                        crossMatrix((state_.model.body.spin - moved.model.body.spin) / row.step));
+                    setNoise(column,
+                             noise_.makeInertia(
+                                 (calcMassMatrix(moved.model.body) - calcMassMatrix(state_.model.body)) / row.step,
+                                 crossMatrix((state_.model.body.spin - moved.model.body.spin) / row.step)));
                     moved.model.body = state_.model.body;
                     break;
                 }
                 case UnknownKind::mode:
                     if (!at_.hasBracket()) break;
-                    bracket = at_.calcModeColumn(row.first, row.second);
-                    slopes_[static_cast<std::size_t>(column)] = noise_slopes_.calcModeSlope(row.first, row.second);
+                    addBracket(column, at_.calcModeColumn(row.first, row.second));
+                    setNoise(column, noise_.makeMode(row.first, row.second));
                     break;
                 case UnknownKind::shape:
                     if (!at_.hasBracket()) break;
-                    bracket = at_.calcShapeColumn(row.first, row.second);
-                    slopes_[static_cast<std::size_t>(column)] = noise_slopes_.calcModeSlope(row.first, 2 + row.second);
+                    addBracket(column, at_.calcShapeColumn(row.first, row.second));
+                    setNoise(column, noise_.makeMode(row.first, 2 + row.second));
                     break;
                 case UnknownKind::load:
-                    if (at_.hasBracket() && at_.run().load.cols() > 0)
-                        at_.calcLoadColumn(at_.calcLoadSpectra() / row.get(state_), bracket);
-                    if (bracket.size() > 0)
-                        slopes_[static_cast<std::size_t>(column)] = noise_slopes_.calcLoadSlope() / row.get(state_);
+                    if (at_.run().load.cols() > 0)
+                        at_.calcLoadColumn(at_.calcLoadOf(row.second) / row.get(state_), mount, bracket);
+                    if (mount.size() > 0 || bracket.size() > 0)
+                        setNoise(column, noise_.makeLoad(1 / row.get(state_), row.second));
                     break;
                 default:
                     continue;  // sensors
@@ -185,32 +203,32 @@ public:
             row.set(to, row.get(from) + probe.step);
             const auto column = static_cast<Eigen::Index>(table.size() + i);
             addLaw(column, row, from, to, probe.step);
-            slopes_[static_cast<std::size_t>(column)] =
-                noise_slopes_.calcLawSlope(from, to, row.first, row.second, probe.step);
         }
-        if (!at_.hasBracket() || at_.run().load.cols() == 0) return;
+        if (at_.run().load.cols() == 0) return;
         for (std::size_t i = 0; i < columns_.hats.size(); ++i) {
             if (!columns_.wants(table.size() + columns_.probes.size() + i)) continue;
-            Eigen::MatrixXcd bracket;
+            Eigen::MatrixXcd mount, bracket;
             double share = 0;
-            at_.calcLoadColumn(at_.calcHatSpectra(columns_.hats[i], share), bracket);
+            at_.calcLoadColumn(at_.calcHatLoad(columns_.hats[i], share), mount, bracket);
             const auto column = static_cast<Eigen::Index>(table.size() + columns_.probes.size() + i);
-            add(column, {}, bracket);
-            slopes_[static_cast<std::size_t>(column)] = share * noise_slopes_.calcLoadSlope();
+            add(column, mount, bracket);
+            setNoise(column, noise_.makeLoad(share, 3));
         }
     }
 
-    void setSlope(Eigen::Index column, const NoiseSlopes::Slope& slope) {
-        slopes_[static_cast<std::size_t>(column)] = slope;
+    void setNoise(Eigen::Index column, ColumnNoise::Column noise) {
+        slopes_[static_cast<std::size_t>(column)] = noise_.calcSlope(noise);
+        noisy_[static_cast<std::size_t>(column)] = std::move(noise);
     }
-    const NoiseSlopes& noiseSlopes() const { return noise_slopes_; }
+    const ColumnNoise& noise() const { return noise_; }
+    Eigen::MatrixXd calcNoiseProducts(bool bracket) const { return noise_.calcProducts(noisy_, bracket ? 6 : 0); }
     BlockColumns& mount() { return mount_; }
     BlockColumns& bracket() { return bracket_; }
     /// Of the mount's rows, or of the bracket's.
     Eigen::MatrixXd calcNoiseSlopes(bool bracket) const {
         Eigen::MatrixXd result(static_cast<Eigen::Index>(slopes_.size()), kLevelBands);
         for (std::size_t c = 0; c < slopes_.size(); ++c)
-            result.row(static_cast<Eigen::Index>(c)) = slopes_[c].middleRows<6>(bracket ? 6 : 0).colwise().sum();
+            result.row(static_cast<Eigen::Index>(c)) = slopes_[c].row(bracket ? 1 : 0);
         return result;
     }
 
@@ -223,9 +241,10 @@ private:
     const Lineariser& at_;
     const ColumnSet& columns_;
     const TestState& state_;
-    NoiseSlopes noise_slopes_;
+    ColumnNoise noise_;
     BlockColumns mount_, bracket_;
-    std::vector<NoiseSlopes::Slope> slopes_;
+    std::vector<ColumnNoise::Slope> slopes_;
+    std::vector<ColumnNoise::Column> noisy_;
     std::map<int, std::vector<std::pair<Eigen::Index, Eigen::VectorXd>>> bursts_;
 };
 
@@ -233,7 +252,7 @@ private:
 
 LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const ColumnSet& columns,
                         const TestState& state) {
-    Lineariser at(run, layout, state, nullptr);
+    Lineariser at(run, layout, state);
     at.prepareColumns();
     const auto modes = at.hasBracket() ? static_cast<int>(state.model.bracket.size()) : 0;
     const Eigen::Index extra = 2 * modes;
@@ -242,38 +261,35 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
     maker.makeProbes();
     for (int j = 0; j < modes; ++j)
         for (int sine = 0; sine < 2; ++sine)
-            maker.add(columns.size() + 2 * j + sine, {}, at.calcTransient(j, sine != 0));
+            maker.addBracket(columns.size() + 2 * j + sine, at.calcTransient(j, sine != 0));
     LinearisedRun result;
-    result.noise = at.noise();
     const SensorColumns sensors(run, layout, at.run(), at.spectra(), at.motionNoise());
     for (std::size_t i = 0; i < columns.table->size(); ++i) {
         if (!columns.wants(i)) continue;
         const SensorEffect effect = sensors.calcEffect((*columns.table)[i], at.inContact());
         if (effect.spectra.size() == 0) continue;
         maker.addWhite(static_cast<Eigen::Index>(i), at.calcMotionColumn(effect.part, effect.series, effect.spectra));
-        maker.setSlope(static_cast<Eigen::Index>(i), maker.noiseSlopes().calcSensorSlope(effect));
+        maker.setNoise(static_cast<Eigen::Index>(i), maker.noise().makeSensor(effect));
     }
     auto& mount = result.information[static_cast<std::size_t>(Block::mount)];
     mount = maker.mount().calcInformation(unfold(at.residual().topRows(6)));
+    mount.count *= calcFreedom(state.model.body).mean();
     mount.A = mount.A.topLeftCorner(columns.size(), columns.size()).eval();
     mount.b = mount.b.head(columns.size()).eval();
     mount.noise_slopes = maker.calcNoiseSlopes(false).topRows(columns.size());
+    mount.noise = maker.calcNoiseProducts(false);
     mount.scatter = maker.calcScatter(columns.size());
     if (at.hasBracket()) {
         auto& bracket = result.information[static_cast<std::size_t>(Block::bracket)];
         bracket = maker.bracket().calcInformation(unfold(at.residual().bottomRows(6)));
-        Eigen::MatrixXd fixed = at.run().fixed.p;
-        fixed.colwise() -= fixed.rowwise().mean().eval();
-        double largest = 0;
-        for (const auto& mode : state.model.bracket) largest = std::max(largest, mode.translation.norm());
-        const double amplitude = fixed.cwiseAbs().maxCoeff() / std::max(largest, 1e-300);
-        marginalise(bracket, extra, 1 / (amplitude * amplitude));
+        marginalise(bracket, extra, calcTransientPrecision(at, state.model));
         bracket.noise_slopes = maker.calcNoiseSlopes(true).topRows(columns.size());
+        bracket.noise = maker.calcNoiseProducts(true);
     }
     for (const Part part : {Part::mobile, Part::fixed})
         result.information[static_cast<std::size_t>(part == Part::mobile ? Block::mobile_sensors
                                                                          : Block::fixed_sensors)] =
-            sensors.calcInformation(part, *columns.table, columns.size());
+            sensors.calcInformation(part, *columns.table, columns.wanted, columns.size());
     result.mount_residual = at.residual().topRows(6);
     for (std::size_t c = 0; c < state.model.connections.size(); ++c)
         for (int a = 0; a < 3; ++a)
@@ -285,9 +301,8 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
     return result;
 }
 
-Information calcMisfit(const TestRun& run, const SensorLayout& layout, const TestState& state,
-                       const std::shared_ptr<const RunNoise>& noise, bool with_sensors) {
-    const Lineariser at(run, layout, state, noise);
+Information calcMisfit(const TestRun& run, const SensorLayout& layout, const TestState& state) {
+    const Lineariser at(run, layout, state);
     Information result;
     const auto measure = [&](Block block, const Eigen::MatrixXcd& rows) {
         auto& own = result[static_cast<std::size_t>(block)];
@@ -298,12 +313,21 @@ Information calcMisfit(const TestRun& run, const SensorLayout& layout, const Tes
         own.count = 2 * static_cast<double>(rows.size());
     };
     measure(Block::mount, at.residual().topRows(6));
-    if (at.hasBracket()) measure(Block::bracket, at.residual().bottomRows(6));
-    if (!with_sensors) return result;
+    result[static_cast<std::size_t>(Block::mount)].count *= calcFreedom(state.model.body).mean();
+    if (at.hasBracket()) {
+        measure(Block::bracket, at.residual().bottomRows(6));
+        const auto modes = static_cast<int>(state.model.bracket.size());
+        BlockColumns transients(12 * at.spectra().binCount(), 2 * modes);
+        for (int j = 0; j < modes; ++j)
+            for (int sine = 0; sine < 2; ++sine) transients.set(2 * j + sine, unfold(at.calcTransient(j, sine != 0)));
+        BlockInformation own = transients.calcInformation(unfold(at.residual().bottomRows(6)));
+        marginalise(own, 2 * modes, calcTransientPrecision(at, state.model));
+        result[static_cast<std::size_t>(Block::bracket)].chi_squared = own.chi_squared;
+    }
     const SensorColumns sensors(run, layout, at.run(), at.spectra(), at.motionNoise());
     for (const Part part : {Part::mobile, Part::fixed})
         result[static_cast<std::size_t>(part == Part::mobile ? Block::mobile_sensors : Block::fixed_sensors)] =
-            sensors.calcInformation(part, {}, 0);
+            sensors.calcInformation(part, {}, {}, 0);
     return result;
 }
 

@@ -10,7 +10,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,8 +19,6 @@
 #include "identify/problem/unknown.hpp"
 
 namespace wems::identify {
-
-class RunNoise;
 
 /// A change of a law far from the state: a column of its own, as the law is not linear in the number.
 struct Probe {
@@ -47,7 +44,6 @@ struct ColumnSet {
 
 struct LinearisedRun {
     Information information;
-    std::shared_ptr<const RunNoise> noise;  ///< covariance at the state
     /// Whitened residual of the mount's equation (6 x bins), the whitened directions of each axis (6 x bins), and
     /// frequencies (Hz): where what is left sits.
     Eigen::MatrixXcd mount_residual;
@@ -60,9 +56,7 @@ struct LinearisedRun {
 LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const ColumnSet& columns,
                         const TestState& state);
 
-/// Misfit alone: chi-squared and count of the blocks of the equations, and of those of the sensors where asked for.
-/// @param noise covariance of another state of the same run, by which the residuals are weighed
-Information calcMisfit(const TestRun& run, const SensorLayout& layout, const TestState& state,
-                       const std::shared_ptr<const RunNoise>& noise, bool with_sensors);
+/// Misfit alone: chi-squared and count of each block, weighed by the covariance of the state itself.
+Information calcMisfit(const TestRun& run, const SensorLayout& layout, const TestState& state);
 
 }  // namespace wems::identify

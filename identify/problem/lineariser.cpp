@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/problem/load_wrench.hpp"
 #include "identify/problem/mount_equation.hpp"
 #include "models/axis_law.hpp"
 #include "models/bryant.hpp"
@@ -22,8 +23,7 @@ constexpr double kOfPass = 0.9;       // and of the low pass
 
 }  // namespace
 
-Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state,
-                       std::shared_ptr<const RunNoise> noise)
+Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state)
     : test_(test),
       model_(state.model),
       open_(makeRun()),
@@ -32,20 +32,17 @@ Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const Te
       spectra_(open_, std::max(kCountedFrom * test.band.lowest, slow_ ? slow_->highestBalanced() : open_.lowest),
                std::min(kCountedTo * test.band.highest, kOfPass * open_.pass)),
       motion_noise_(test, layout),
-      noise_(
-          noise != nullptr && noise->binCount() == spectra_.binCount()
-              ? std::move(noise)
-              : std::make_shared<RunNoise>(test, open_, model_, motion_noise_, spectra_, slow_.get(), with_bracket_)),
+      noise_(test, open_, model_, motion_noise_, spectra_, slow_.get(), with_bracket_),
       bracket_(open_) {
     calcResiduals();
 }
 
 void Lineariser::prepareColumns() {
-    K_ = calcStiffnessMatrix(model_);
-    C_ = calcDampingMatrix(model_);
-    M_ = calcMassMatrix(model_.body);
     demand_ = calcDemand(open_, model_.body, model_.gravity);
-    if (with_bracket_) inputs_ = spectra_.transform(bracket_.calcInputs(model_));
+    if (with_bracket_) {
+        inputs_ = spectra_.transform(bracket_.calcInputs(model_));
+        for (const BracketMode& own : model_.bracket) modal_.push_back(makeModal(own));
+    }
     const auto axes = 3 * static_cast<Eigen::Index>(model_.connections.size());
     forces_.resize(axes, open_.sampleCount());
     tangent_.resize(axes, open_.sampleCount());
@@ -66,16 +63,28 @@ void Lineariser::prepareColumns() {
         const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
         Eigen::MatrixXcd white(12, spectra_.binCount());
         for (Eigen::Index b = 0; b < white.cols(); ++b)
-            white.col(b) = noise_->whitener(b).leftCols<6>() * d.cast<Complex>();
+            white.col(b) = noise_.whitener(b).leftCols<6>() * d.cast<Complex>();
         if (!with_bracket_) white.bottomRows(6).setZero();
         axis_white_.push_back(std::move(white));
     }
 }
 
+Lineariser::Modal Lineariser::makeModal(const BracketMode& mode) const {
+    const Eigen::Index bins = spectra_.binCount();
+    Modal modal{Eigen::VectorXcd(bins), inputs_.transpose() * calcParticipation(mode).cast<Complex>(),
+                Eigen::MatrixXcd(6, bins)};
+    const Vector6c shape = calcShape(mode).cast<Complex>();
+    for (Eigen::Index b = 0; b < bins; ++b) {
+        modal.response[b] = calcModalResponse(mode, spectra_.angular(b));
+        modal.white.col(b) = noise_.whitener(b).bottomRightCorner<6, 6>() * shape;
+    }
+    return modal;
+}
+
 Eigen::MatrixXcd Lineariser::whiten(const Eigen::MatrixXcd& mount, const Eigen::MatrixXcd& bracket) const {
     Eigen::MatrixXcd white = Eigen::MatrixXcd::Zero(12, spectra_.binCount());
     for (Eigen::Index b = 0; b < white.cols(); ++b) {
-        const Matrix12c& L = noise_->whitener(b);
+        const Matrix12c& L = noise_.whitener(b);
         Eigen::Map<Vector12c> values(&white(0, b));
         if (mount.size() > 0) values += L.leftCols<6>().lazyProduct(Eigen::Map<const Vector6c>(&mount(0, b)));
         if (bracket.size() > 0)
@@ -114,12 +123,12 @@ Eigen::VectorXd Lineariser::calcBurst(const Eigen::VectorXcd& spectrum, std::siz
     for (Eigen::Index b = 0; b < spectrum.size(); ++b)
         weighted[b] = axis_white_[row].col(b).squaredNorm() * spectrum[b];
     const Eigen::VectorXd series = spectra_.calcSeries(weighted);
-    const Eigen::ArrayXd stop = tangent_.row(axis).transpose().array() - rest_tangent_[axis];
+    const Eigen::ArrayXd stop = tangent_.row(axis).transpose().array() - tangent_.row(axis).mean();
     const Eigen::ArrayXd beyond = (stop.square() - stop.square().mean()).max(0.0);
     std::vector<Eigen::Index> inside;
     for (Eigen::Index k = 0; k < beyond.size(); ++k)
         if (beyond[k] > 0) inside.push_back(k);
-    return (series.array() * open_.taper.array() * (noise_->contactVariance(row) * beyond).sqrt())(inside);
+    return (series.array() * open_.taper.array() * (noise_.contactVariance(row) * beyond).sqrt())(inside);
 }
 
 void Lineariser::calcBodyColumn(const TestState& to, double step, Eigen::MatrixXcd& mount,
@@ -129,7 +138,7 @@ void Lineariser::calcBodyColumn(const TestState& to, double step, Eigen::MatrixX
     if (!with_bracket_) return;
     const Eigen::MatrixXcd plain = spectra_.transform(change);
     bracket.resize(6, plain.cols());
-    for (Eigen::Index b = 0; b < plain.cols(); ++b) bracket.col(b) = -(noise_->receptance(b) * plain.col(b));
+    for (Eigen::Index b = 0; b < plain.cols(); ++b) bracket.col(b) = -(noise_.receptance(b) * plain.col(b));
 }
 
 Eigen::MatrixXcd Lineariser::calcPositionColumn(int connection, int axis) const {
@@ -155,44 +164,58 @@ Eigen::MatrixXcd Lineariser::calcPositionColumn(int connection, int axis) const 
 
 Eigen::MatrixXcd Lineariser::calcModeColumn(int mode, int which) const {
     const BracketMode& own = model_.bracket[static_cast<std::size_t>(mode)];
-    const Vector6 shape = calcShape(own);
-    const auto participation = calcParticipation(own);
-    Eigen::MatrixXcd column(6, spectra_.binCount());
+    const Modal& modal = modal_[static_cast<std::size_t>(mode)];
     const double w0 = kTwoPi * own.frequency;
-    for (Eigen::Index b = 0; b < column.cols(); ++b) {
+    Eigen::MatrixXcd white = modal.white;
+    for (Eigen::Index b = 0; b < white.cols(); ++b) {
         const double w = spectra_.angular(b);
-        const Complex h = calcModalResponse(own, w);
-        const Complex force = participation.cast<Complex>().dot(inputs_.col(b));
-        const Complex dh =
-            which == 0 ? -h * h * Complex(2 * w0, 2 * own.damping_ratio * w) * kTwoPi : -h * h * Complex(0, 2 * w0 * w);
-        column.col(b) = shape.cast<Complex>() * (dh * force);
+        const Complex slope = which == 0 ? Complex(2 * w0, 2 * own.damping_ratio * w) * kTwoPi : Complex(0, 2 * w0 * w);
+        white.col(b) *= -modal.response[b] * modal.response[b] * slope * modal.force[b];
     }
-    return column;
+    return white;
 }
 
 Eigen::MatrixXcd Lineariser::calcShapeColumn(int mode, int entry) const {
-    const BracketMode& own = model_.bracket[static_cast<std::size_t>(mode)];
-    const Vector6 shape = calcShape(own);
-    const auto participation = calcParticipation(own);
-    Eigen::MatrixXcd column(6, spectra_.binCount());
-    for (Eigen::Index b = 0; b < column.cols(); ++b) {
-        const Complex h = calcModalResponse(own, spectra_.angular(b));
-        column.col(b) = shape.cast<Complex>() * (h * inputs_(entry, b));
-        if (entry < 6) column(entry, b) += h * participation.cast<Complex>().dot(inputs_.col(b));
+    const Modal& modal = modal_[static_cast<std::size_t>(mode)];
+    Eigen::MatrixXcd white = modal.white;
+    for (Eigen::Index b = 0; b < white.cols(); ++b) {
+        // With a load point of the model's own the bracket's is not loaded.
+        white.col(b) *= modal.response[b] * inputs_(entry, b);
+        if (entry < 6)
+            white.col(b) +=
+                modal.response[b] * modal.force[b] * noise_.whitener(b).bottomRightCorner<6, 6>().col(entry);
     }
-    return column;
+    return white;
 }
 
-void Lineariser::calcLoadColumn(const Eigen::MatrixXcd& load, Eigen::MatrixXcd& bracket) const {
-    bracket = Eigen::MatrixXcd::Zero(6, spectra_.binCount());
+Eigen::MatrixXd Lineariser::calcLoadOf(int axis) const {
+    Eigen::MatrixXd load = calcLoad(open_, model_);
+    for (Eigen::Index other = 0; axis < 3 && other < load.rows(); ++other)
+        if (other != axis) load.row(other).setZero();
+    return load;
+}
+
+void Lineariser::calcLoadColumn(const Eigen::MatrixXd& load, Eigen::MatrixXcd& mount, Eigen::MatrixXcd& bracket) const {
+    if (model_.load_point) {
+        const Eigen::MatrixXd wrench = calcLoadWrench(open_, *model_.load_point, load);
+        if (loadsMobilePart(open_, model_)) mount = transformMount(-wrench);
+        if (!with_bracket_) return;
+        bracket = spectra_.transform(wrench);
+        for (Eigen::Index b = 0; b < bracket.cols(); ++b)
+            bracket.col(b) = (noise_.receptance(b) * bracket.col(b)).eval();
+        return;
+    }
+    if (!with_bracket_) return;
+    const Eigen::MatrixXcd spectra = spectra_.transform(load);
+    bracket = Eigen::MatrixXcd::Zero(6, spectra.cols());
     for (Eigen::Index b = 0; b < bracket.cols(); ++b)
         for (const auto& own : model_.bracket) {
-            const Complex force = own.load_translation.cast<Complex>().dot(load.col(b));
+            const Complex force = own.load_translation.cast<Complex>().dot(spectra.col(b));
             bracket.col(b) += calcShape(own).cast<Complex>() * (calcModalResponse(own, spectra_.angular(b)) * force);
         }
 }
 
-Eigen::MatrixXcd Lineariser::calcHatSpectra(const LoadHat& hat, double& share) const {
+Eigen::MatrixXd Lineariser::calcHatLoad(const LoadHat& hat, double& share) const {
     Eigen::MatrixXd load = open_.load;
     for (Eigen::Index k = 0; k < load.cols(); ++k) {
         const double f = k < open_.swept.size() ? open_.swept[k] : std::nan("");
@@ -202,19 +225,21 @@ Eigen::MatrixXcd Lineariser::calcHatSpectra(const LoadHat& hat, double& share) c
         load.col(k) *= weight;
         share += weight / static_cast<double>(load.cols());
     }
-    return spectra_.transform(load);
+    return load;
 }
 
 Eigen::MatrixXcd Lineariser::calcTransient(int mode, bool sine) const {
     const BracketMode& own = model_.bracket[static_cast<std::size_t>(mode)];
-    Eigen::MatrixXd motion(6, open_.sampleCount());
     const double w = kTwoPi * own.frequency;
-    for (Eigen::Index k = 0; k < motion.cols(); ++k) {
-        const double t = open_.time[k];
-        motion.col(k) =
-            calcShape(own) * (std::exp(-own.damping_ratio * w * t) * (sine ? std::sin(w * t) : std::cos(w * t)));
-    }
-    return spectra_.transform(motion);
+    const Eigen::ArrayXd phase = w * open_.time.array();
+    const Eigen::RowVectorXd decay =
+        (-own.damping_ratio * phase).exp() * (sine ? phase.sin().eval() : phase.cos().eval());
+    const Eigen::MatrixXcd spectrum = spectra_.transform(decay);
+    const Vector6c shape = calcShape(own).cast<Complex>();
+    Eigen::MatrixXcd white(6, spectrum.cols());
+    for (Eigen::Index b = 0; b < white.cols(); ++b)
+        white.col(b) = noise_.whitener(b).bottomRightCorner<6, 6>() * shape * spectrum(0, b);
+    return white;
 }
 
 Eigen::MatrixXcd Lineariser::calcMotionColumn(Part part, const Eigen::MatrixXd& series,
@@ -222,7 +247,7 @@ Eigen::MatrixXcd Lineariser::calcMotionColumn(Part part, const Eigen::MatrixXd& 
     const bool mobile = part == Part::mobile;
     Eigen::MatrixXcd white(12, spectra.cols());
     for (Eigen::Index b = 0; b < spectra.cols(); ++b)
-        white.col(b) = noise_->whitenedMotion(b)
+        white.col(b) = noise_.whitenedMotion(b)
                            .middleCols<6>(mobile ? 0 : 6)
                            .lazyProduct(Eigen::Map<const Vector6c>(&spectra(0, b)));
     if (!with_bracket_) white.bottomRows(6).setZero();
@@ -241,7 +266,7 @@ Eigen::MatrixXcd Lineariser::calcMotionColumn(Part part, const Eigen::MatrixXd& 
 Eigen::MatrixXcd Lineariser::whitenDirection(const Vector6& d) const {
     Eigen::MatrixXcd white(6, spectra_.binCount());
     for (Eigen::Index b = 0; b < white.cols(); ++b)
-        white.col(b) = noise_->whitener(b).topLeftCorner<6, 6>() * d.cast<Complex>();
+        white.col(b) = noise_.whitener(b).topLeftCorner<6, 6>() * d.cast<Complex>();
     return white;
 }
 

@@ -19,9 +19,7 @@ namespace wems::identify {
 /// Everything about a run at a state that residual and columns share.
 class Lineariser {
 public:
-    /// @param noise null: that of the state
-    Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state,
-               std::shared_ptr<const RunNoise> noise);
+    Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state);
 
     /// What the columns need beyond the residual.
     void prepareColumns();
@@ -29,7 +27,7 @@ public:
     const EquationSpectra& spectra() const { return spectra_; }
     const OpenLoopRun& run() const { return open_; }
     bool hasBracket() const { return with_bracket_; }
-    const std::shared_ptr<const RunNoise>& noise() const { return noise_; }
+    const RunNoise& noise() const { return noise_; }
 
     /// Whitened residual: 12 x bins, mount above bracket.
     const Eigen::MatrixXcd& residual() const { return white_; }
@@ -55,17 +53,19 @@ public:
     /// The connection's laws act where it is: relative displacement and lever both move.
     Eigen::MatrixXcd calcPositionColumn(int connection, int axis) const;
 
+    /// Whitened rows of the bracket (6 x bins).
     Eigen::MatrixXcd calcModeColumn(int mode, int which) const;
-
     Eigen::MatrixXcd calcShapeColumn(int mode, int entry) const;
 
-    /// What the load at the bracket (or on the mobile part) with spectra `load` (3 x bins) adds.
-    void calcLoadColumn(const Eigen::MatrixXcd& load, Eigen::MatrixXcd& bracket) const;
-    Eigen::MatrixXcd calcLoadSpectra() const { return inputs_.middleRows(6, 3); }
+    /// What a load (N, 3 x samples) adds to the equations, wherever the model has it act; empty where it adds nothing.
+    void calcLoadColumn(const Eigen::MatrixXd& load, Eigen::MatrixXcd& mount, Eigen::MatrixXcd& bracket) const;
+    /// The load as the state has it, 3 x samples. @param axis whose alone; 3: of all
+    Eigen::MatrixXd calcLoadOf(int axis) const;
     /// @param[out] share of the run's time that the hat covers
-    Eigen::MatrixXcd calcHatSpectra(const LoadHat& hat, double& share) const;
+    Eigen::MatrixXd calcHatLoad(const LoadHat& hat, double& share) const;
 
-    /// Response of a mode that was moving when the recording began: cosine and sine of its free decay.
+    /// Whitened rows of the bracket: response of a mode that was moving when the recording began, cosine or sine of its
+    /// free decay.
     Eigen::MatrixXcd calcTransient(int mode, bool sine) const;
 
     /// A motion of one part that a sensor's error makes: its series (6 x samples) and spectra. @return whitened
@@ -80,6 +80,13 @@ public:
     double calcContactShare() const;
 
 private:
+    /// What all columns of a mode share, at each bin: its response, what drives it, and its whitened shape.
+    struct Modal {
+        Eigen::VectorXcd response, force;
+        Eigen::MatrixXcd white;
+    };
+    Modal makeModal(const BracketMode& mode) const;
+
     OpenLoopRun makeRun() const;
 
     void calcResiduals();
@@ -91,14 +98,14 @@ private:
     bool with_bracket_;
     EquationSpectra spectra_;
     MotionNoise motion_noise_;
-    std::shared_ptr<const RunNoise> noise_;
+    RunNoise noise_;
     BracketEquation bracket_;
-    Matrix6 K_, C_, M_;
     Eigen::MatrixXd demand_, mount_series_, forces_, tangent_;
     Eigen::VectorXd rest_tangent_;
     std::vector<char> touched_;
     bool in_contact_ = false;
     std::vector<Eigen::MatrixXcd> axis_white_;
+    std::vector<Modal> modal_;
     Eigen::MatrixXcd inputs_, white_;
 };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "identify/fit/drag.hpp"
+#include "identify/problem/load_wrench.hpp"
 #include "identify/problem/sliding_friction.hpp"
 #include "models/law_equality.hpp"
 
@@ -103,6 +104,7 @@ Eigen::MatrixXd calcDemand(const OpenLoopRun& run, const MobileBody& body, const
 
 Eigen::MatrixXd calcMountResidual(const OpenLoopRun& run, const MountModel& model) {
     Eigen::MatrixXd wrench = calcDemand(run, model.body, model.gravity);
+    if (loadsMobilePart(run, model)) wrench -= calcLoadWrench(run, *model.load_point, calcLoad(run, model));
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
             const auto c = static_cast<int>(i);
@@ -120,6 +122,13 @@ Eigen::MatrixXd calcMountDifference(const OpenLoopRun& run, const MountModel& fr
     Eigen::MatrixXd wrench;
     if (!sameBody(from.body, to.body))
         wrench = calcDemand(run, to.body, to.gravity) - calcDemand(run, from.body, from.gravity);
+    if (loadsMobilePart(run, to)) {
+        const Eigen::MatrixXd load = calcLoad(run, to) - calcLoad(run, from);
+        if (!load.isZero(0.0)) {
+            if (wrench.size() == 0) wrench = Eigen::MatrixXd::Zero(6, run.sampleCount());
+            wrench -= calcLoadWrench(run, *to.load_point, load);
+        }
+    }
     for (std::size_t i = 0; i < to.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
             const auto c = static_cast<int>(i);

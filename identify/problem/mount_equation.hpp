@@ -5,7 +5,9 @@
 /// Wrenches are 6 x samples, in G: force (N) above moment about the origin of M (N m). With c = R_GM p_MoBcm:
 ///
 ///     demand  = [ m (a_cm − g) ;  R I Rᵀ α + w × (R I Rᵀ w + R h) + c × m (a_cm − g) ]
-///     residual = demand + Σ_i [ R_GF f_i ;  R_GM r_i × R_GF f_i ]          (the mobile part receives −f)
+///     residual = demand − load + Σ_i [ R_GF f_i ;  R_GM r_i × R_GF f_i ]          (the mobile part receives −f)
+///
+/// with the load that acts on the mobile part itself, if any (load_wrench.hpp).
 ///
 /// Internal states of the laws (relaxation, structural damping, bristle, hysteresis) are integrated along the measured
 /// motion from rest, exactly for cubic Hermite q(t).
@@ -28,7 +30,7 @@ void addAxisWrench(const OpenLoopRun& run, const MountModel& model, int connecti
 /// Demanded wrench.
 Eigen::MatrixXd calcDemand(const OpenLoopRun& run, const MobileBody& body, const Eigen::Vector3d& gravity);
 
-/// Demand plus all axes.
+/// Demand less the load on the mobile part, plus all axes.
 Eigen::MatrixXd calcMountResidual(const OpenLoopRun& run, const MountModel& model);
 
 bool sameBody(const MobileBody& a, const MobileBody& b);

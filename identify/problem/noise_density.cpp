@@ -30,10 +30,12 @@ NoiseDensity::NoiseDensity(const Eigen::MatrixXd& residuals, int freedom, double
     const Fourier fourier(static_cast<int>(length));
     resolution_ = 1 / (fourier.size() * interval);
     Eigen::RowVectorXd window(length);
+    // Hann's window squared, whose side lobes fall by 30 dB an octave: with Hann's own (18 dB) a sweep 60 dB above the
+    // noise leaks twice as much as it at 20 Hz.
     for (Eigen::Index k = 0; k < length; ++k)
-        window[k] = 0.5 - 0.5 * std::cos(kTwoPi * (static_cast<double>(k) + 0.5) / static_cast<double>(length));
+        window[k] = std::pow(std::sin(kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(length)), 4);
     const double gain = window.squaredNorm();
-    const Eigen::Index hop = std::max<Eigen::Index>(1, length / 2);
+    const Eigen::Index hop = std::max<Eigen::Index>(1, length / 3);
     std::vector<std::vector<double>> power(static_cast<std::size_t>(fourier.binCount()));
     for (Eigen::Index first = 0; first + length <= samples; first += hop) {
         const Eigen::MatrixXcd spectra = fourier.forward(residuals.middleCols(first, length) * window.asDiagonal());
@@ -54,6 +56,18 @@ double NoiseDensity::at(double frequency) const {
     const auto above = std::min(below + 1, variance_.size() - 1);
     const double u = place - static_cast<double>(below);
     return (1 - u) * variance_[below] + u * variance_[above];
+}
+
+double NoiseDensity::medianBetween(double from, double to) const {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < variance_.size(); ++k) {
+        const double frequency = static_cast<double>(k) * resolution_;
+        if (frequency >= from && frequency <= to) values.push_back(variance_[k]);
+    }
+    if (values.empty()) return at(to);
+    const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
 }
 
 void NoiseDensity::scale(double factor) {

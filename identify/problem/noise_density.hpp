@@ -25,6 +25,8 @@ public:
     explicit NoiseDensity(double variance);
 
     double at(double frequency) const;
+    /// Of the bands between two frequencies; that at `to` if there is none.
+    double medianBetween(double from, double to) const;
     /// All of it by a factor.
     void scale(double factor);
     /// Variance of a sample: the mean over all frequencies.

@@ -33,6 +33,17 @@ Matrix6 calcMassMatrix(const MobileBody& body) {
     return M;
 }
 
+Vector6 calcFreedom(const MobileBody& body) {
+    Vector6 freedom;
+    for (std::size_t i = 0; i < body.free.size(); ++i) freedom[static_cast<Eigen::Index>(i)] = body.free[i] ? 1 : 0;
+    return freedom;
+}
+
+void holdMotions(Matrix6& matrix, const Vector6& freedom, double diagonal) {
+    matrix = (freedom.asDiagonal() * matrix * freedom.asDiagonal()).eval();
+    matrix.diagonal() += diagonal * (Vector6::Ones() - freedom);
+}
+
 Matrix6 calcStiffnessMatrix(const MountModel& model) {
     return sumAxes(model, &AxisLaw::stiffness);
 }

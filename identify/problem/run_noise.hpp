@@ -1,11 +1,17 @@
 /// @file
 /// Covariance of what one run's equations leave, by the noise of its channels.
 ///
-/// With G = K + iωC − ω²M the mount's dynamic stiffness (about M's origin), K' = K + iωC, T = Φ H Φᵀ ω² M what the
-/// mobile part's motion makes of the fixed part's, and P_m, P_f the covariances of the two rigid motions,
+/// With K' the mount's stiffness and damping as small motion meets them in the mean (about M's origin), G = K' − ω²M,
+/// T = Φ H Φᵀ ω² M what the mobile part's motion makes of the fixed part's, and P_m, P_f the covariances of the two
+/// rigid motions,
 ///
-///     residuals = A (mobile; fixed) + B load,      A = [ G  −K' ; T  −1 ],      B = [ −load on the mobile part ; Φ H
-///     Φ_Lᵀ ] R(ω) = A diag(P_m, P_f) Aᴴ + B S_l Bᴴ + noise of the stops in contact
+///     residuals = A (mobile; fixed) + B load,      A = [ G  −K' ; T  −1 ]
+///
+///     B = [ 0 ; Φ H Φ_Lᵀ ] with the load at the bracket's load point, [ −W ; Φ H Φᵀ W ] with it on the mobile part
+///
+///     R(ω) = A diag(P_m, P_f) Aᴴ + B S_l Bᴴ + noise of the stops in contact
+///
+/// W is the wrench of unit loads (load_wrench.hpp); at a point of the fixed part B has Φ H Φᵀ W alone.
 ///
 /// P_m, P_f and S_l hold a discrepancy beside the noise, for what is neither noise nor parameter: a small fraction of
 /// the motion's and the load's own spectra, never zero (Kennedy and O'Hagan 2001, doi:10.1111/1467-9868.00294). Carried
@@ -96,13 +102,28 @@ public:
     const Eigen::Matrix<std::complex<double>, 3, 12>& loadNoise(Eigen::Index bin) const {
         return load_noises_[static_cast<std::size_t>(bin)];
     }
+    /// L⁻¹ B at a bin: what unit loads along the axes make of the equations.
+    const Eigen::Matrix<std::complex<double>, 12, 3>& whitenedLoad(Eigen::Index bin) const {
+        return loads_[static_cast<std::size_t>(bin)];
+    }
     /// Φ H Φᵀ at a bin.
     const Eigen::Matrix<std::complex<double>, 6, 6>& receptance(Eigen::Index bin) const {
         return receptances_[static_cast<std::size_t>(bin)];
     }
 
+    /// The noise of the motions (mobile above fixed part) and the load (P above) at some of the bins, for sums that
+    /// need not all.
+    struct Sample {
+        Eigen::Index bin;
+        double weight;                                     ///< bins that it stands for
+        Eigen::Matrix<std::complex<double>, 15, 15> root;  ///< root rootᴴ = P
+    };
+    const std::vector<Sample>& samples() const { return samples_; }
+
     /// Variance of a tapered sample of an axis' relative displacement, as a stop's stiffness meets it, m².
     double contactVariance(std::size_t axis) const { return contact_variances_[axis]; }
+    /// Power at each bin of the force that the noise makes of an axis' stiffness beyond its mean, N².
+    Eigen::RowVectorXd contactPower(Eigen::Index axis) const { return contact_power_.row(axis); }
 
 private:
     template <typename T>
@@ -110,7 +131,10 @@ private:
     Aligned<Matrix12c> whiteners_, regressors_, motions_;
     Aligned<Eigen::Matrix<std::complex<double>, 6, 6>> receptances_;
     Aligned<Eigen::Matrix<std::complex<double>, 3, 12>> load_noises_;
+    Aligned<Eigen::Matrix<std::complex<double>, 12, 3>> loads_;
+    Eigen::MatrixXd contact_power_;  // axes x bins
     std::vector<double> contact_variances_;
+    std::vector<Sample> samples_;
 };
 
 }  // namespace wems::identify

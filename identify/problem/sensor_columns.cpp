@@ -206,7 +206,8 @@ Eigen::MatrixXd SensorColumns::calcGainSlopes(const std::vector<const Group*>& g
     return slopes;
 }
 
-BlockInformation SensorColumns::calcInformation(Part part, const UnknownTable& table, Eigen::Index size) const {
+BlockInformation SensorColumns::calcInformation(Part part, const UnknownTable& table, const std::vector<char>& wanted,
+                                                Eigen::Index size) const {
     BlockInformation block;
     Eigen::Index rows = 0, rank = 0;
     std::vector<const Group*> groups;
@@ -218,44 +219,56 @@ BlockInformation SensorColumns::calcInformation(Part part, const UnknownTable& t
     }
     if (rows <= rank) return block;
     const Eigen::Index bins = spectra_.binCount();
-    // Whitened residual and columns: channels x bins, then real and imaginary parts.
-    const auto whitenInto = [&](const auto& valueAt) {
-        Eigen::MatrixXcd white(rows, bins);
-        Eigen::Index first = 0;
-        for (const Group* group : groups) {
-            const auto count = static_cast<Eigen::Index>(group->channels.size());
-            for (Eigen::Index b = 0; b < bins; ++b) {
-                const double deviation = std::sqrt(group->noise->at(spectra_.frequency(b)) * spectra_.noiseGain());
-                white.block(first, b, count, 1) = kBothParts / deviation * valueAt(*group, b);
-            }
-            first += count;
+    // Whitened values: channels x bins, then real and imaginary parts.
+    std::vector<Eigen::Index> first;
+    std::vector<Eigen::RowVectorXd> weight;  // of each group's channels at each bin
+    std::vector<Eigen::RowVectorXcd> fused;  // what of a channel's reading the fused motion gives back to it
+    Eigen::Index filled = 0;
+    for (const Group* group : groups) {
+        first.push_back(filled);
+        filled += static_cast<Eigen::Index>(group->channels.size());
+        weight.emplace_back(bins);
+        fused.emplace_back(bins);
+        for (Eigen::Index b = 0; b < bins; ++b) {
+            const double w = spectra_.angular(b);
+            weight.back()[b] = kBothParts / std::sqrt(group->noise->at(spectra_.frequency(b)) * spectra_.noiseGain());
+            fused.back()[b] = group->derivative == Derivative::displacement ? 1.0 : -w * w;
         }
+    }
+    const auto unfold = [](const Eigen::MatrixXcd& white) {
         Eigen::VectorXd values(2 * white.size());
-        const Eigen::MatrixXd real = white.real(), imaginary = white.imag();
-        values << real.reshaped(), imaginary.reshaped();
+        values.head(white.size()) = white.real().reshaped();
+        values.tail(white.size()) = white.imag().reshaped();
         return values;
     };
-    const Eigen::VectorXd residual =
-        whitenInto([](const Group& group, Eigen::Index b) -> Eigen::VectorXcd { return group.residual.col(b); });
+    Eigen::MatrixXcd white(rows, bins);
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        white.middleRows(first[g], groups[g]->residual.rows()) = groups[g]->residual * weight[g].asDiagonal();
+    const Eigen::VectorXd residual = unfold(white);
     std::vector<Eigen::Index> used;
     std::vector<Eigen::VectorXf> columns;
     for (std::size_t i = 0; i < table.size(); ++i) {
-        if (!isSensor(table[i].kind)) continue;
+        if (!isSensor(table[i].kind) || !(i >= wanted.size() || wanted[i] != 0)) continue;
         const auto changes = calcChanges(table[i], false);
         if (changes.empty() || changes.front().group->part != part) continue;
-        const Eigen::VectorXd column = whitenInto([&](const Group& group, Eigen::Index b) -> Eigen::VectorXcd {
-            Eigen::VectorXcd value = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(group.channels.size()));
-            const double w = spectra_.angular(b);
-            for (const Change& change : changes) {
-                if (change.group == &group) value[change.channel] -= change.spectrum(0, b);
-                const Complex moved = calcWeight(*change.group, w) * change.spectrum(0, b) *
-                                      (group.derivative == Derivative::displacement ? 1.0 : -w * w);
-                value += (group.design * change.group->inverse.col(change.channel)).cast<Complex>() * moved;
+        white.setZero();
+        for (const Change& change : changes) {
+            Eigen::RowVectorXcd moved = change.spectrum;
+            for (Eigen::Index b = 0; b < bins; ++b) moved[b] *= calcWeight(*change.group, spectra_.angular(b));
+            for (std::size_t g = 0; g < groups.size(); ++g) {
+                const Group& group = *groups[g];
+                const Eigen::VectorXcd back =
+                    (group.design * change.group->inverse.col(change.channel)).cast<Complex>();
+                white.middleRows(first[g], back.size()).noalias() += back * moved.cwiseProduct(fused[g]);
+                if (change.group == &group) white.row(first[g] + change.channel) -= change.spectrum;
             }
-            return value;
-        });
+        }
+        for (std::size_t g = 0; g < groups.size(); ++g) {
+            auto own = white.middleRows(first[g], groups[g]->residual.rows());
+            own = (own * weight[g].asDiagonal()).eval();
+        }
         used.push_back(static_cast<Eigen::Index>(i));
-        columns.push_back(column.cast<float>());
+        columns.push_back(unfold(white).cast<float>());
     }
     Eigen::MatrixXd J(residual.size(), static_cast<Eigen::Index>(columns.size()));
     for (std::size_t c = 0; c < columns.size(); ++c) J.col(static_cast<Eigen::Index>(c)) = columns[c].cast<double>();
@@ -271,6 +284,7 @@ BlockInformation SensorColumns::calcInformation(Part part, const UnknownTable& t
     }
     block.chi_squared = residual.squaredNorm();
     block.count = static_cast<double>(2 * bins * (rows - rank));
+    if (block.count > 0) block.noise_slopes *= block.chi_squared / block.count;
     return block;
 }
 

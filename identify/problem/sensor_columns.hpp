@@ -38,7 +38,9 @@ public:
 
     /// What the channels of a part say beyond its rigid motion.
     /// @param size columns of the information; those of the table come first
-    BlockInformation calcInformation(Part part, const UnknownTable& table, Eigen::Index size) const;
+    /// @param wanted rows of the table that count; empty: all
+    BlockInformation calcInformation(Part part, const UnknownTable& table, const std::vector<char>& wanted,
+                                     Eigen::Index size) const;
 
 private:
     /// Channels of a group in this recording.

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "identify/motion/channel_set.hpp"
+#include "identify/problem/rigid_matrices.hpp"
 #include "models/bryant.hpp"
 #include "models/pi.hpp"
 
@@ -128,6 +129,7 @@ SensorLayout makeSensorLayout(const std::vector<Recording>& recordings, const Mo
                     channel.position = marker.position;
                     channel.direction = marker.direction;
                     channel.turning = marker.turning;
+                    if (part == Part::mobile) channel.freedom = calcFreedom(model.body);
                     // An accelerometer and the marker beside it are two sensors at two places.
                     const std::string triax =
                         side + marker.station + (derivative == Derivative::acceleration ? ".a" : "");

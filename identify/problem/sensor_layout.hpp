@@ -31,11 +31,12 @@ struct SensorGroup {
 struct SensorChannel {
     std::string name;  ///< `mobile.1.az`
     int group = 0;
-    int triax = 0;                                         ///< index into SensorLayout::triaxes
-    int station = 0;                                       ///< index into SensorLayout::stations
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();    ///< m, in its part's frame
-    Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< at rest
-    bool turning = false;                                  ///< the direction turns with the part
+    int triax = 0;                                                              ///< index into SensorLayout::triaxes
+    int station = 0;                                                            ///< index into SensorLayout::stations
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();                         ///< m, in its part's frame
+    Eigen::Vector3d direction = Eigen::Vector3d::UnitX();                       ///< at rest
+    bool turning = false;                                                       ///< the direction turns with the part
+    Eigen::Matrix<double, 6, 1> freedom = Eigen::Matrix<double, 6, 1>::Ones();  ///< of its part (calcFreedom)
 };
 
 struct SensorTriax {

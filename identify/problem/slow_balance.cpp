@@ -22,10 +22,13 @@ constexpr double kSettledMotion = 1e-8;  // m RMS, far below any noise
 }  // namespace
 
 SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model)
-    : corner_(kCorner * run.lowest), interval_(run.interval), taper_(run.taper) {
+    : corner_(kCorner * run.lowest), interval_(run.interval), taper_(run.taper), freedom_(calcFreedom(model.body)) {
     const auto samples = static_cast<Eigen::Index>(run.sampleCount());
     splines_ = calcWeights(samples - 1).first + 4;
-    const Matrix6 M = calcMassMatrix(model.body), least = kLeastTangent * calcStiffnessMatrix(model);
+    Matrix6 M = calcMassMatrix(model.body), least = kLeastTangent * calcStiffnessMatrix(model);
+    const double stiffest = calcStiffnessMatrix(model).diagonal().maxCoeff();
+    holdMotions(M, freedom_, 0);
+    holdMotions(least, freedom_, kLeastTangent * stiffest);
     tangent_.assign(static_cast<std::size_t>(samples), Matrix6::Zero());
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
@@ -36,6 +39,7 @@ SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model)
             for (Eigen::Index k = 0; k < samples; ++k)
                 tangent_[static_cast<std::size_t>(k)] += force.calcStaticStiffness(run.q(row, k)) * along;
         }
+    for (Matrix6& own : tangent_) holdMotions(own, freedom_, stiffest);
     std::vector<Matrix6> blocks(4 * static_cast<std::size_t>(splines_), Matrix6::Zero());
     for (Eigen::Index k = 0; k < samples; ++k) {
         const auto weights = calcWeights(k);
@@ -89,6 +93,7 @@ Eigen::VectorXd SlowBalance::solve(const Eigen::Ref<const Eigen::MatrixXd>& resi
         const auto weights = calcWeights(k);
         for (int i = 0; i < 4; ++i) right.col(weights.first + i) += taper_[k] * weights.value[0][i] * residual.col(k);
     }
+    right = (freedom_.asDiagonal() * right).eval();
     return factor_.solve(right.reshaped());
 }
 
@@ -99,7 +104,7 @@ Eigen::VectorXd SlowBalance::solve(const Eigen::Ref<const Eigen::VectorXd>& forc
         const auto weights = calcWeights(k);
         for (int i = 0; i < 4; ++i) right[weights.first + i] += taper_[k] * weights.value[0][i] * force[k];
     }
-    const Eigen::MatrixXd all = direction * right;
+    const Eigen::MatrixXd all = freedom_.cwiseProduct(direction) * right;
     return factor_.solve(all.reshaped());
 }
 

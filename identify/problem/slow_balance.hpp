@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "identify/problem/open_loop_run.hpp"
+#include "identify/problem/rigid_matrices.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {
@@ -57,6 +58,7 @@ private:
     double corner_ = 0, interval_ = 0;
     Eigen::Index splines_ = 0;
     Eigen::VectorXd taper_;
+    Vector6 freedom_;
     std::vector<Matrix6> tangent_;  // of each sample
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factor_;
 };

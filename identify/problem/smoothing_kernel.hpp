@@ -6,7 +6,7 @@
 
 namespace wems::identify {
 
-/// Windowed sinc h with h' and h''; the window cos⁴ ends with three derivatives, so that none of the three jumps.
+/// Windowed sinc h with h' and h''; the window cos⁶ ends with five derivatives, so that none of the three jumps.
 /// Convolution with h, h' and h'' gives the smoothed signal and its derivatives, all of the same signal: an equation of
 /// motion that holds for the signal holds for them (weak form, the derivatives moved onto the test function). Zero
 /// phase.

@@ -16,6 +16,8 @@ namespace {
 constexpr double kHarmonics = 13;
 constexpr double kSpectrumBands = 4;  // bands of the noise's spectrum below the lowest excited frequency
 constexpr double kLeastNoise = 1e-7;  // of a channel's RMS: what a file of seven digits rounds off
+constexpr double kBeyond = 2;         // of the highest driven frequency: no load is meant from there on
+constexpr double kPassed = 0.3;       // of the sampling rate, which an anti-alias filter at 0.4 of it passes
 constexpr double kUnseen = 1e-10;     // relative singular value of motions that channels do not show
 
 /// Channels minus the best rigid motion, with the turning of the part taken exactly.
@@ -41,6 +43,17 @@ Eigen::MatrixXd calcRigidResidual(const SensorLayout& layout, const GroupSamples
 
 double meanSquare(const Eigen::MatrixXd& values) {
     return values.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, values.size()));
+}
+
+/// A load has no redundancy, and a random one fills its band at all times: its noise is taken for white, as it is where
+/// nothing is driven and an anti-alias filter lets it through.
+NoiseDensity findLoadNoise(const Eigen::Matrix3Xd& load, const ExcitedBand& band, double interval, double resolution) {
+    int axes = 0;
+    for (Eigen::Index a = 0; a < 3; ++a) axes += load.row(a).isZero(0.0) ? 0 : 1;
+    const NoiseDensity density(load, std::max(1, axes), interval, resolution,
+                               kLeastNoise * kLeastNoise * meanSquare(load));
+    const double highest = kPassed / interval;
+    return NoiseDensity(density.medianBetween(std::min(kBeyond * band.highest, 0.5 * highest), highest));
 }
 
 }  // namespace
@@ -75,6 +88,8 @@ Eigen::MatrixXd makeChannelDesign(const SensorLayout& layout, const std::vector<
         const auto& channel = layout.channels[static_cast<std::size_t>(channels[i])];
         design.row(static_cast<Eigen::Index>(i)) << channel.direction.transpose(),
             channel.position.cross(channel.direction).transpose();
+        design.row(static_cast<Eigen::Index>(i)) =
+            design.row(static_cast<Eigen::Index>(i)).cwiseProduct(channel.freedom.transpose()).eval();
     }
     return design;
 }
@@ -106,9 +121,7 @@ TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, c
         run.noise.emplace_back(residual, freedom > 0 ? freedom : static_cast<int>(residual.rows()), interval,
                                resolution, least);
     }
-    if (run.motion.load.cols() > 0)
-        run.load_noise = NoiseDensity(run.motion.load, 3, interval, resolution,
-                                      kLeastNoise * kLeastNoise * meanSquare(run.motion.load));
+    if (run.motion.load.cols() > 0) run.load_noise = findLoadNoise(run.motion.load, run.band, interval, resolution);
     return run;
 }
 

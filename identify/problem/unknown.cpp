@@ -28,11 +28,11 @@ public:
     TableMaker(const TestState& believed, const SensorLayout& layout, const TestScales& scales)
         : believed_(believed), model_(believed.model), layout_(layout), scales_(scales) {}
 
-    UnknownTable make(bool has_load) {
+    UnknownTable make(const LoadedAxes& loaded) {
         addLaws();
         addBody();
         addModes();
-        if (has_load) addLoad();
+        if (std::count(loaded.begin(), loaded.end(), true) > 0) addLoad(loaded);
         addSensors();
         return std::move(table_);
     }
@@ -247,7 +247,7 @@ private:
                 [j, member, a](TestState& state, double value) { (state.model.bracket[j].*member)[a] = value; });
     }
 
-    void addLoad() {
+    void addLoad(const LoadedAxes& loaded) {
         const double known = tolerance(ToleranceOf::load_gain, {});
         add(
             UnknownKind::load, "load.gain", "-", known, 0.5, 0, 3,
@@ -258,12 +258,24 @@ private:
             },
             [](TestState& state, double value) {
                 if (state.model.load && state.model.load->gain_over_frequency.size() > 1) return;
-                if (value == 1)
-                    state.model.load.reset();
-                else
-                    state.model.load = LoadCorrection{{{0.0, value}}};
+                if (!state.model.load) state.model.load.emplace();
+                state.model.load->gain_over_frequency = {{0.0, value}};
             },
             0.01);
+        // One axis alone has no gain beside that of all.
+        if (std::count(loaded.begin(), loaded.end(), true) < 2) return;
+        for (std::size_t a = 0; a < 3; ++a) {
+            if (!loaded.at(a)) continue;
+            const auto axis = static_cast<Eigen::Index>(a);
+            add(
+                UnknownKind::load, std::string("load.gain.") + kAxes[a], "-", known, 0.5, 0, static_cast<int>(a),
+                [axis](const TestState& state) { return state.model.load ? state.model.load->axis_gain[axis] : 1.0; },
+                [axis](TestState& state, double value) {
+                    if (!state.model.load) state.model.load = LoadCorrection{{{0.0, 1.0}}};
+                    state.model.load->axis_gain[axis] = value;
+                },
+                0.01);
+        }
     }
 
     void addSensors() {
@@ -337,8 +349,8 @@ private:
 }  // namespace
 
 UnknownTable makeUnknownTable(const TestState& believed, const SensorLayout& layout, const TestScales& scales,
-                              bool has_load) {
-    return TableMaker(believed, layout, scales).make(has_load);
+                              const LoadedAxes& loaded) {
+    return TableMaker(believed, layout, scales).make(loaded);
 }
 
 int findUnknown(const UnknownTable& table, const std::string& name) {

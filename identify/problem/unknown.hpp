@@ -5,6 +5,7 @@
 /// the standard deviation that it has where a hypothesis sets it free.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -27,7 +28,7 @@ enum class UnknownKind {
     body,      ///< mass, centre of gravity, inertia, spin
     mode,      ///< frequency or damping ratio of a bracket mode
     shape,     ///< of a bracket mode
-    load,      ///< gain of one axis of the load, or of all
+    load,      ///< gain of one axis of the load (`second`), or of all (3)
     channel_gain,
     channel_delay,
     triax_rotation,
@@ -61,10 +62,13 @@ struct TestScales {
     double duration = 0;      ///< s, of the longest run
 };
 
+/// Of x, y and z, whether any run has a load along it.
+using LoadedAxes = std::array<bool, 3>;
+
 /// All rows of a model and its sensors. Numbers that only a hypothesis would set free (cubic stiffness, friction, …)
 /// have deviation 0.
 UnknownTable makeUnknownTable(const TestState& believed, const SensorLayout& layout, const TestScales& scales,
-                              bool has_load);
+                              const LoadedAxes& loaded);
 
 /// Index of a name; -1 if there is none.
 int findUnknown(const UnknownTable& table, const std::string& name);

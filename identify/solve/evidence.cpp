@@ -208,6 +208,10 @@ BlockInformation shiftToBelieved(const BlockInformation& about_state, const Eige
     const Eigen::VectorXd moved = about_state.A * offset;
     shifted.chi_squared += 2 * about_state.b.dot(offset) + offset.dot(moved);
     shifted.b += moved;
+    if (shifted.noise.size() > 0) {
+        if (shifted.noise_right.size() == 0) shifted.noise_right = Eigen::VectorXd::Zero(offset.size());
+        shifted.noise_right -= shifted.noise * offset;
+    }
     return shifted;
 }
 

@@ -136,7 +136,7 @@ private:
         return *std::max_element(misfits.begin(), misfits.end()) - 1;
     }
 
-    /// Whether equations that leave more than noise leave half of it with a set, whatever the prediction makes of that.
+    /// Whether equations that leave three times the noise (kSatisfied) leave half of what exceeds it with a set.
     bool takesHalf(const SetState& next) const {
         return excess_ >= kSatisfied - 1 &&
                excessOf(calcMisfits(sumOf(next.view, true), problem_.estimateOf(next.point))) < 0.5 * excess_;

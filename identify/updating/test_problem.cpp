@@ -59,21 +59,23 @@ TestProblem::TestProblem(const std::vector<Recording>& identification, const std
     AxisReach reach{Eigen::VectorXd::Zero(axes), Eigen::VectorXd::Zero(axes)};
     TestScales scales;
     ExcitedBand swept;
-    bool has_load = false;
+    LoadedAxes loaded{};
     scales.lowest = std::numeric_limits<double>::infinity();
     for (const TestRun& run : runs_) {
         widen(reach, run.motion, model, scales.velocity);
         scales.lowest = std::min(scales.lowest, run.band.lowest);
         scales.highest = std::max(scales.highest, run.band.highest);
         scales.duration = std::max(scales.duration, run.motion.time.back() - run.motion.time.front());
-        has_load = has_load || run.motion.load.cols() > 0;
+        for (Eigen::Index a = 0; a < 3; ++a)
+            if (run.motion.load.cols() > 0 && !run.motion.load.row(a).isZero(0.0))
+                loaded.at(static_cast<std::size_t>(a)) = true;
         if (run.swept.is_sine && run.motion.load.cols() > 0) swept = {scales.lowest, scales.highest};
     }
     scales.displacement = std::max(reach.positive.maxCoeff(), reach.negative.maxCoeff());
     if (!(scales.displacement > 0) || !(scales.velocity > 0))
         throw InputError({runs_.front().recording.file, 0, {}}, "nothing moves across the mount");
     believed_ = addDormantStops(model, scales.displacement);
-    table_ = makeUnknownTable({believed_, SensorErrors(layout_)}, layout_, scales, has_load);
+    table_ = makeUnknownTable({believed_, SensorErrors(layout_)}, layout_, scales, loaded);
     catalogue_ = makeCatalogue(table_, layout_, believed_, scales, reach, swept);
 }
 
@@ -116,7 +118,8 @@ TestPoint TestProblem::pointAt(const Eigen::VectorXd& estimate, const Hypothesis
     if (gains.size() == 0 || gains.isZero(0.0)) return point;
     point.values.tail(gains.size()) = gains;
     const int common = findUnknown(table_, "load.gain");
-    point.state.model.load = LoadCorrection{};
+    if (!point.state.model.load) point.state.model.load.emplace();
+    point.state.model.load->gain_over_frequency.clear();
     for (std::size_t k = 0; k < hats.size(); ++k)
         point.state.model.load->gain_over_frequency.emplace_back(
             hats[k].at, std::max(0.0, point.values[common] + gains[static_cast<Eigen::Index>(k)]));
@@ -165,29 +168,25 @@ Eigen::MatrixXd TestProblem::calcExactRelative(std::size_t index, const TestPoin
         exact, integrated ? estimateMotion(exact, believed_, ContactEdges::filtered) : run.motion, believed_);
 }
 
-TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point, const TestPoint& weighed) const {
+TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point) const {
     TestRun corrected = run;
-    if (point.state.sensors.isZero() && weighed.state.sensors.isZero()) return corrected;
+    if (point.state.sensors.isZero()) return corrected;
     corrected.recording = correctSensors(run.recording, layout_, point.state.sensors, &run.motion);
     corrected.motion = estimateMotion(corrected.recording, believed_, ContactEdges::filtered);
     // Taking a gain off a channel takes it off the channel's noise.
     for (std::size_t g = 0; g < layout_.groups.size(); ++g) {
         const auto& channels = layout_.groups[g].channels;
         double square = 0;
-        for (const int c : channels) square += std::pow(1 + weighed.state.sensors.gain[c], -2);
+        for (const int c : channels) square += std::pow(1 + point.state.sensors.gain[c], -2);
         if (!channels.empty()) corrected.noise[g].scale(square / static_cast<double>(channels.size()));
     }
     return corrected;
 }
 
-TestMisfit TestProblem::misfit(const TestPoint& point, const TestView& view) const {
+TestMisfit TestProblem::misfit(const TestPoint& point) const {
     std::vector<Information> own(runs_.size());
-    const bool same = point.state.sensors == view.at.state.sensors;
-    runParallel(runs_.size(), [&](std::size_t r) {
-        own[r] = same
-                     ? calcMisfit((*view.corrected)[r], layout_, point.state, view.runs[r].noise, false)
-                     : calcMisfit(correctRun(runs_[r], point, view.at), layout_, point.state, view.runs[r].noise, true);
-    });
+    runParallel(runs_.size(),
+                [&](std::size_t r) { own[r] = calcMisfit(correctRun(runs_[r], point), layout_, point.state); });
     TestMisfit sum;
     for (std::size_t r = 0; r < own.size(); ++r)
         add(r < identification_count_ ? sum.identification : sum.validation, own[r]);
@@ -212,12 +211,9 @@ TestView TestProblem::view(const TestPoint& point, const ColumnSet& columns) con
     TestView result;
     result.at = point;
     result.runs.resize(runs_.size());
-    auto corrected = std::make_shared<std::vector<TestRun>>(runs_.size());
     runParallel(runs_.size(), [&](std::size_t r) {
-        (*corrected)[r] = correctRun(runs_[r], point, point);
-        result.runs[r] = linearise((*corrected)[r], layout_, columns, point.state);
+        result.runs[r] = linearise(correctRun(runs_[r], point), layout_, columns, point.state);
     });
-    result.corrected = std::move(corrected);
     Eigen::VectorXd offset = -estimateOf(point);
     for (std::size_t r = 0; r < runs_.size(); ++r)
         add(r < identification_count_ ? result.identification : result.validation,

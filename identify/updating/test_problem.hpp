@@ -4,8 +4,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -26,7 +24,6 @@ struct TestView {
     Information identification, validation;  ///< about the believed values
     std::vector<LinearisedRun> runs;         ///< identification runs, then validation runs
     TestPoint at;
-    std::shared_ptr<const std::vector<TestRun>> corrected;  ///< runs as exact sensors would have recorded them
 };
 
 struct TestMisfit {
@@ -71,9 +68,8 @@ public:
     TestView view(const TestPoint& point) const;
     /// With those alone that tolerances and the members of a set move: for the steps of this set.
     TestView view(const TestPoint& point, const HypothesisSet& set) const;
-    /// χ² and count of each block, without derivatives, weighed by the covariance of a view. Blocks of the sensors are
-    /// empty where the point has the view's sensors: they are the view's.
-    TestMisfit misfit(const TestPoint& point, const TestView& view) const;
+    /// χ² and count of each block, without derivatives, each run corrected and weighed as the point itself has it.
+    TestMisfit misfit(const TestPoint& point) const;
 
     /// The model of a point as it is written and simulated: without what has no force.
     MountModel cleanModel(const TestPoint& point) const;
@@ -81,8 +77,7 @@ public:
 private:
     TestView view(const TestPoint& point, const ColumnSet& columns) const;
     /// A run as exact sensors would have recorded it.
-    /// @param weighed whose gains the channels' noise has
-    TestRun correctRun(const TestRun& run, const TestPoint& point, const TestPoint& weighed) const;
+    TestRun correctRun(const TestRun& run, const TestPoint& point) const;
 
     MountModel believed_;
     SensorLayout layout_;

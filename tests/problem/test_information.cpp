@@ -95,3 +95,46 @@ TEST_CASE("The noise slope takes the regressor's noise off", "[information]") {
     CHECK(std::abs(plain) > 0.1);
     CHECK(std::abs(corrected.b[0] / corrected.A(0, 0)) < 0.01);
 }
+
+// y = θ₁ x₁ + θ₂ x₂, both with the same signal and with noises of their own: only the sum of the two is known.
+TEST_CASE("What the regressors' noise makes of a direction is no knowledge of it", "[information]") {
+    std::mt19937 random(5);
+    std::normal_distribution<double> normal;
+    const double sigma = 0.3;
+    const int count = 200000;
+    Eigen::MatrixXd x(count, 2);
+    Eigen::VectorXd y(count);
+    for (int i = 0; i < count; ++i) {
+        const double truth = normal(random);
+        for (int c = 0; c < 2; ++c) x(i, c) = truth + sigma * normal(random);
+        y[i] = 2 * truth + sigma * normal(random);
+    }
+    // About θ = (1, 1): the residual's variance is (1 + 1 + 1) σ², each regressor's share of it σ².
+    const double s = sigma * std::sqrt(3.0), own = count * sigma * sigma / (s * s);
+    Information all;
+    all[0] = makeBlock(x / s, (x.rowwise().sum() - y) / s);
+    all[0].noise_slopes = Eigen::MatrixXd::Constant(2, 1, own);
+    const Eigen::Vector2d difference(std::sqrt(0.5), -std::sqrt(0.5)), sum(std::sqrt(0.5), std::sqrt(0.5));
+    const Eigen::VectorXd reach = Eigen::VectorXd::Constant(2, 1e6);
+    const auto precision = [&](const Eigen::Vector2d& along) { return along.dot(combine(all, {}, reach).A * along); };
+    const double believed = precision(difference), known = precision(sum);
+    CHECK(believed == Approx(own).epsilon(0.02));
+    all[0].noise = own * Eigen::MatrixXd::Identity(2, 2);
+    // Of squares of noise, whose sum scatters by √(2 / count), only the scatter squared is left.
+    CHECK(precision(difference) < 1e-3 * believed);
+    CHECK(precision(sum) == Approx(known).epsilon(0.15));
+    CHECK(precision(sum) < known);
+}
+
+// One unknown by hand: 16 of information from b = 20 and a slope of 10, of which 30 % are open, 3² more in the scatter:
+// A C⁻¹ A = 16²/(16 + 9), A C⁻¹ (b − s) = 16 · 10/25.
+TEST_CASE("What the noise slope takes off is known to its level only", "[information]") {
+    Information all;
+    all[0].A = Eigen::MatrixXd::Constant(1, 1, 16);
+    all[0].b = Eigen::VectorXd::Constant(1, 20);
+    all[0].noise_slopes = Eigen::MatrixXd::Constant(1, 1, 10);
+    all[0].chi_squared = all[0].count = 100;
+    const BlockInformation sum = combine(all, {}, Eigen::VectorXd::Constant(1, 1e9));
+    CHECK(sum.A(0, 0) == Approx(10.24));
+    CHECK(sum.b[0] == Approx(6.4));
+}

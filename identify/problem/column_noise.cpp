@@ -1,0 +1,226 @@
+#include "identify/problem/column_noise.hpp"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "identify/problem/bracket_equation.hpp"
+#include "identify/problem/dynamic_stiffness.hpp"
+#include "identify/problem/load_wrench.hpp"
+#include "identify/problem/mount_equation.hpp"
+#include "models/axis_law.hpp"
+#include "models/pi.hpp"
+
+namespace wems::identify {
+namespace {
+
+using Complex = std::complex<double>;
+using Vector12c = Eigen::Matrix<Complex, 12, 1>;
+using Vector15 = Eigen::Matrix<double, 15, 1>;
+
+// Bins at which slopes are taken, at most twice as many: noise and whitener follow spectra that are smoothed over a
+// fifth of the lowest excited frequency, and a resonance of one percent of damping at the middle of the band is a
+// hundredth of it wide: ten of these bins.
+constexpr Eigen::Index kSlopeBins = 1024;
+
+Vector15 relative(const Vector6& d) {
+    Vector15 right = Vector15::Zero();
+    right.head<6>() = d;
+    right.segment<6>(6) = -d;
+    return right;
+}
+
+}  // namespace
+
+ColumnNoise::ColumnNoise(const OpenLoopRun& run, const MountModel& model, const EquationSpectra& spectra,
+                         const RunNoise& noise, const Eigen::MatrixXcd& residual)
+    : open_(run),
+      model_(model),
+      spectra_(spectra),
+      noise_(&noise),
+      residual_(residual),
+      M_(calcMassMatrix(model.body)) {
+    const Eigen::Index bins = spectra_.binCount();
+    slope_step_ = std::max<Eigen::Index>(1, bins / kSlopeBins);
+    for (Eigen::Index b = 0; b < bins; b += slope_step_) {
+        const Eigen::MatrixXcd rows = residual.middleCols(b, std::min(slope_step_, bins - b));
+        const Eigen::MatrixXcd square = rows * rows.adjoint();
+        Eigen::MatrixXcd regressors(15, 12);
+        regressors << noise_->regressorNoise(b), noise_->loadNoise(b);
+        Product product;
+        product << regressors * square, regressors.leftCols(6) * square.topLeftCorner(6, 6);
+        products_.push_back(product);
+    }
+}
+
+ColumnNoise::Column ColumnNoise::makeLaw(const TestState& from, const TestState& to, int connection, int axis,
+                                         double step) const {
+    const auto c = static_cast<std::size_t>(connection), a = static_cast<std::size_t>(axis);
+    const Eigen::Index row = 3 * connection + axis;
+    const DynamicStiffness before = calcDynamicStiffness(open_, from.model.connections[c].axis[a], row),
+                           after = calcDynamicStiffness(open_, to.model.connections[c].axis[a], row);
+    Eigen::VectorXcd values(spectra_.binCount());
+    for (Eigen::Index b = 0; b < values.size(); ++b)
+        values[b] = (after.at(spectra_.angular(b)) - before.at(spectra_.angular(b))) / step;
+    if (values.isZero(0.0)) return {};
+    const auto change = std::make_shared<const Eigen::VectorXcd>(std::move(values));
+    const Vector6 d = calcAxisDirection(model_, connection, axis);
+    return [this, change, d](Eigen::Index b) -> Terms {
+        return {{(*change)[b] * (noise_->whitener(b).leftCols<6>() * d.cast<Complex>()), relative(d)}};
+    };
+}
+
+ColumnNoise::Column ColumnNoise::makePosition(int connection, int moved) const {
+    return [this, connection, moved](Eigen::Index b) {
+        Terms terms;
+        const Eigen::Vector3d e = Eigen::Vector3d::Unit(moved);
+        for (int a = 0; a < 3; ++a) {
+            const auto& law =
+                model_.connections[static_cast<std::size_t>(connection)].axis[static_cast<std::size_t>(a)];
+            const Vector6 d = calcAxisDirection(model_, connection, a);
+            Vector6 change;
+            change << Eigen::Vector3d::Zero(), e.cross(Eigen::Vector3d::Unit(a));
+            if (change.isZero(0.0)) continue;
+            const Complex stiffness(law.stiffness, spectra_.angular(b) * law.damping);
+            const auto whitener = noise_->whitener(b).leftCols<6>();
+            terms.push_back({stiffness * (whitener * change.cast<Complex>()), relative(d)});
+            terms.push_back({stiffness * (whitener * d.cast<Complex>()), relative(change)});
+        }
+        return terms;
+    };
+}
+
+ColumnNoise::Column ColumnNoise::makeInertia(const Matrix6& dM, const Eigen::Matrix3d& gyroscopic) const {
+    return [this, dM, gyroscopic](Eigen::Index b) {
+        const double w = spectra_.angular(b);
+        Eigen::Matrix<Complex, 12, 6> change;
+        change << -w * w * dM.cast<Complex>(), w * w * noise_->receptance(b) * dM.cast<Complex>();
+        change.block<3, 3>(3, 3) += Complex(0, w) * gyroscopic.cast<Complex>();
+        Terms terms;
+        for (int c = 0; c < 6; ++c)
+            if (!change.col(c).isZero(0.0)) terms.push_back({noise_->whitener(b) * change.col(c), Vector15::Unit(c)});
+        return terms;
+    };
+}
+
+ColumnNoise::Column ColumnNoise::makeMode(int mode, int which) const {
+    return [this, mode, which](Eigen::Index b) {
+        const BracketMode& own = model_.bracket[static_cast<std::size_t>(mode)];
+        const Vector6 shape = calcShape(own);
+        const double w = spectra_.angular(b), w0 = kTwoPi * own.frequency;
+        const Complex h = calcModalResponse(own, w);
+        Terms terms;
+        const auto addOuter = [&](Complex factor, const Vector6& a, const Vector6& c, const Eigen::Vector3d& c_load) {
+            Vector15 right = Vector15::Zero();
+            right.head<6>() = w * w * (M_ * c);
+            right.tail<3>() = c_load;
+            if (model_.load_point) right.tail<3>() = calcLoadArm(*model_.load_point).transpose() * c;
+            terms.push_back({factor * (noise_->whitener(b).rightCols<6>() * a.cast<Complex>()), right});
+        };
+        if (which == 0)
+            addOuter(-h * h * Complex(2 * w0, 2 * own.damping_ratio * w) * kTwoPi, shape, shape, own.load_translation);
+        else if (which == 1)
+            addOuter(-h * h * Complex(0, 2 * w0 * w), shape, shape, own.load_translation);
+        else if (which < 8) {
+            const Vector6 e = Vector6::Unit(which - 2);
+            addOuter(h, e, shape, own.load_translation);
+            addOuter(h, shape, e, Eigen::Vector3d::Zero());
+        } else {
+            addOuter(h, shape, Vector6::Zero(), Eigen::Vector3d::Unit(which - 8));
+        }
+        return terms;
+    };
+}
+
+ColumnNoise::Column ColumnNoise::makeLoad(double factor, int axis) const {
+    return [this, factor, axis](Eigen::Index b) {
+        Terms terms;
+        for (int a = 0; a < 3; ++a)
+            if (axis == 3 || axis == a)
+                terms.push_back({factor * noise_->whitenedLoad(b).col(a), Vector15::Unit(12 + a)});
+        return terms;
+    };
+}
+
+ColumnNoise::Column ColumnNoise::makeSensor(const SensorEffect& effect) const {
+    const auto changes = std::make_shared<const std::vector<SensorEffect::ChannelChange>>(effect.changes);
+    const Eigen::Index first = effect.part == Part::mobile ? 0 : 6;
+    return [this, changes, first](Eigen::Index b) {
+        Terms terms;
+        for (const auto& change : *changes) {
+            Vector15 right = Vector15::Zero();
+            right.segment<6>(first) = change.signal;
+            terms.push_back({-change.weight[b] *
+                                 (noise_->whitenedMotion(b).middleCols<6>(first) * change.direction.cast<Complex>()),
+                             right});
+        }
+        return terms;
+    };
+}
+
+ColumnNoise::Slope ColumnNoise::calcSlope(const Column& column) const {
+    Slope sum = Slope::Zero();
+    if (!column) return sum;
+    for (std::size_t i = 0; i < products_.size(); ++i) {
+        const Eigen::Index b = static_cast<Eigen::Index>(i) * slope_step_;
+        const Product& product = products_[i];
+        for (const Term& term : column(b)) {
+            Eigen::Matrix<Complex, 18, 1> along = Eigen::Matrix<Complex, 18, 1>::Zero();
+            for (int k = 0; k < term.right.size(); ++k)  // most are zero
+                if (term.right[k] != 0) along += term.right[k] * product.row(k).transpose();
+            const double all = along.head<12>().cwiseProduct(term.left).sum().real();
+            const double mount = along.tail<6>().cwiseProduct(term.left.head<6>()).sum().real();
+            sum.col(bandOf(b)) += 2 * Eigen::Vector2d(mount, all - mount);
+        }
+    }
+    return sum;
+}
+
+ColumnNoise::Slope ColumnNoise::calcContactSlope(const TestState& from, const TestState& to, int connection, int axis,
+                                                 double step) const {
+    Slope sum = Slope::Zero();
+    const auto c = static_cast<std::size_t>(connection), a = static_cast<std::size_t>(axis);
+    const Eigen::Index row = 3 * connection + axis;
+    const Eigen::RowVectorXd power = noise_->contactPower(row);
+    if (power.isZero(0.0)) return sum;
+    const double before = calcStiffnessFluctuation(open_, from.model.connections[c].axis[a], row).squaredNorm();
+    const double after = calcStiffnessFluctuation(open_, to.model.connections[c].axis[a], row).squaredNorm();
+    if (!(before > 0) || after == before) return sum;
+    const double growth = (after / before - 1) / step;
+    const Vector6 d = calcAxisDirection(model_, connection, axis);
+    for (Eigen::Index b = 0; b < power.size(); ++b) {
+        const Vector12c white = noise_->whitener(b).leftCols<6>() * d.cast<Complex>();
+        const double mount = std::norm(white.head<6>().dot(residual_.col(b).head<6>()));
+        const double all = std::norm(white.dot(residual_.col(b)));
+        sum.col(bandOf(b)) += growth * power[b] * Eigen::Vector2d(mount, all - mount);
+    }
+    return sum;
+}
+
+Eigen::MatrixXd ColumnNoise::calcProducts(const std::vector<Column>& columns, Eigen::Index first) const {
+    const auto count = static_cast<Eigen::Index>(columns.size());
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(count, count);
+    std::vector<Eigen::Index> noisy;
+    for (Eigen::Index i = 0; i < count; ++i)
+        if (columns[static_cast<std::size_t>(i)]) noisy.push_back(i);
+    Eigen::MatrixXf own =
+        Eigen::MatrixXf::Zero(static_cast<Eigen::Index>(noisy.size()), static_cast<Eigen::Index>(noisy.size()));
+    for (const RunNoise::Sample& sample : noise_->samples()) {
+        Eigen::MatrixXf stacked(2 * 6 * 15, static_cast<Eigen::Index>(noisy.size()));
+        for (std::size_t i = 0; i < noisy.size(); ++i) {
+            Eigen::Matrix<Complex, 6, 15> outer = Eigen::Matrix<Complex, 6, 15>::Zero();
+            for (const Term& term : columns[static_cast<std::size_t>(noisy[i])](sample.bin))
+                outer.noalias() +=
+                    term.left.segment<6>(first) * (sample.root.transpose() * term.right.cast<Complex>()).transpose();
+            const Eigen::Map<const Eigen::Matrix<double, 180, 1>> values(reinterpret_cast<const double*>(outer.data()));
+            stacked.col(static_cast<Eigen::Index>(i)) = (std::sqrt(2 * sample.weight) * values).cast<float>();
+        }
+        own.selfadjointView<Eigen::Lower>().rankUpdate(stacked.transpose());
+    }
+    own.triangularView<Eigen::StrictlyUpper>() = own.transpose();
+    sum(noisy, noisy) = own.cast<double>();
+    return sum;
+}
+
+}  // namespace wems::identify

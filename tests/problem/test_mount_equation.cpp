@@ -1,0 +1,115 @@
+#include <Eigen/Dense>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "identify/problem/mount_equation.hpp"
+#include "identify/problem/rigid_matrices.hpp"
+#include "identify/problem/slow_balance.hpp"
+#include "models/pi.hpp"
+#include "tests/seed.hpp"
+
+using namespace wems;
+using namespace wems::identify;
+
+namespace {
+
+constexpr double kInterval = 2e-3;
+
+/// Of both parts at rest but for what the tests set.
+OpenLoopRun makeRun(int samples, int connections) {
+    OpenLoopRun run;
+    run.interval = run.raw_interval = kInterval;
+    run.time = Eigen::VectorXd::LinSpaced(samples, 0, (samples - 1) * kInterval);
+    run.q = run.v = run.quiet_v = Eigen::MatrixXd::Zero(3 * connections, samples);
+    for (SmoothPart* part : {&run.mobile, &run.fixed}) {
+        part->p = part->theta = part->v = part->w = part->a = part->alpha = Eigen::Matrix3Xd::Zero(3, samples);
+        part->R.assign(static_cast<std::size_t>(samples), Eigen::Matrix3d::Identity());
+    }
+    run.taper = Eigen::VectorXd::Ones(samples);
+    return run;
+}
+
+MountModel makeModel() {
+    MountModel model;
+    model.body.mass = 8;
+    model.body.center_of_gravity = {0.01, -0.02, 0.1};
+    model.body.inertia = Eigen::Vector3d(0.12, 0.1, 0.03).asDiagonal();
+    const Eigen::Vector3d places[] = {{-0.1, 0, 0}, {0.1, 0.02, 0}, {0, -0.1, 0.03}, {0, 0.1, 0}};
+    for (const Eigen::Vector3d& place : places) {
+        Connection connection;
+        connection.name = std::to_string(model.connections.size() + 1);
+        connection.position = place;
+        for (AxisLaw& law : connection.axis)
+            law.stiffness = 2.6e4 + 1e4 * static_cast<double>(model.connections.size());
+        model.connections.push_back(connection);
+    }
+    return model;
+}
+
+}  // namespace
+
+// τ z' = q − z along q = Σ c_n tⁿ up to the third degree, which cubic Hermite pieces follow exactly:
+// z = q − τ q' + τ² q'' − τ³ q''' + C exp(−t/τ), z(0) = q(0).
+TEST_CASE("A relaxing law along a cubic motion has the force of the closed solution") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> draw(-1, 1);
+    for (const double time_constant : {0.3 * kInterval, 4 * kInterval, 100 * kInterval}) {
+        constexpr int samples = 60;
+        OpenLoopRun run = makeRun(samples, 1);
+        const double c[4] = {1e-3 * draw(random), 0.02 * draw(random), 0.3 * draw(random), 2 * draw(random)};
+        AxisLaw law;
+        law.stiffness = 1e5;
+        law.relaxation = Relaxation{0.4, time_constant};
+        const auto along = [&](double t) {
+            const double q = c[0] + t * (c[1] + t * (c[2] + t * c[3])), q1 = c[1] + t * (2 * c[2] + 3 * t * c[3]);
+            const double q2 = 2 * c[2] + 6 * t * c[3], q3 = 6 * c[3];
+            return q - time_constant * (q1 - time_constant * (q2 - time_constant * q3));
+        };
+        Eigen::VectorXd expected(samples);
+        for (int k = 0; k < samples; ++k) {
+            const double t = run.time[k];
+            run.q(2, k) = c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+            run.v(2, k) = c[1] + t * (2 * c[2] + 3 * t * c[3]);
+            const double z = along(t) + (c[0] - along(0)) * std::exp(-t / time_constant);
+            expected[k] = 1e5 * run.q(2, k) + 0.4e5 * (run.q(2, k) - z);
+        }
+        CAPTURE(time_constant);
+        const double branch = (expected - 1e5 * run.q.row(2).transpose()).cwiseAbs().maxCoeff();
+        // Three Gauss points on a quarter of the interval or less: far below a millionth of what the branch adds.
+        CHECK((calcAxisForce(run, law, 0, 2) - expected).cwiseAbs().maxCoeff() < 1e-6 * branch);
+    }
+}
+
+// The slow motion x that a residual R = −(M ẍ + K x) asks for, in the middle of a run: (ω² M − K)⁻¹ of its amplitude
+// at a frequency far below the knots' own.
+TEST_CASE("The slow motion that balances a slow force is that of the linear mount") {
+    const MountModel model = makeModel();
+    constexpr int samples = 2000;  // 4 s
+    OpenLoopRun run = makeRun(samples, 4);
+    run.lowest = 4;  // Hz: splines up to 5 Hz
+    for (int k = 0; k < 200; ++k) run.taper[k] = run.taper[samples - 1 - k] = 0.5 - 0.5 * std::cos(kPi * k / 200.0);
+    const SlowBalance balance(run, model);
+    CHECK(balance.cornerFrequency() == Approx(5));
+    const double w = kTwoPi * 1.0;
+    Eigen::Matrix<double, 6, 1> amplitude;
+    amplitude << 3, -2, 5, 0.1, 0.2, -0.05;
+    const Eigen::RowVectorXd wave = (w * run.time.array()).sin().matrix().transpose();
+    const Eigen::MatrixXd residual = amplitude * wave;
+    const Eigen::VectorXd coefficients = balance.solve(residual);
+    const Eigen::Matrix<double, 6, 6> K = calcStiffnessMatrix(model), M = calcMassMatrix(model.body);
+    const Eigen::Matrix<double, 6, 1> expected = (K - w * w * M).partialPivLu().solve(amplitude);
+    const Eigen::MatrixXd x = balance.calcMotion(coefficients, 0), a = balance.calcMotion(coefficients, 2);
+    for (int k = samples / 4; k < 3 * samples / 4; k += 37) {
+        CAPTURE(k);
+        // Splines of 20 knots a period err by (π/10)⁴/720 or so.
+        CHECK((x.col(k) - expected * wave[k]).norm() < 1e-3 * expected.norm());
+        CHECK((a.col(k) + w * w * expected * wave[k]).norm() < 0.03 * w * w * expected.norm());
+    }
+    // One direction alone is a residual whose other rows are zero.
+    const Eigen::Matrix<double, 6, 1> direction = amplitude.normalized();
+    const Eigen::VectorXd force = amplitude.norm() * wave.transpose();
+    CHECK((balance.solve(force, direction) - coefficients).norm() < 1e-9 * coefficients.norm());
+}
