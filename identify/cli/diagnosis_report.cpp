@@ -84,8 +84,7 @@ void addDecisions(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addText(
         "Exact numbers with a cause or two left a part of the error, so that every number was allowed its tolerance. "
         "In each round every cause of the catalogue is weighed at every place, all tolerances adjusted along with it. "
-        "Log "
-        "odds are those of the causes taken so far with the candidate, over those without.");
+        "Log odds are those of the causes taken so far with the candidate, over those without.");
     for (std::size_t r = 0; r < diagnosis.decisions.size(); ++r) {
         page.addText("Round " + std::to_string(r + 1) + ": " + describeDecision(diagnosis.decisions[r]) + ".");
         const auto rows = tabulateCandidates(diagnosis.decisions[r]);
