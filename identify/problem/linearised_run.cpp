@@ -80,6 +80,11 @@ void marginalise(BlockInformation& block, Eigen::Index count, double precision) 
     const Eigen::VectorXd right = block.b.tail(count);
     const Eigen::VectorXd solved = factor.solve(right);
     block.chi_squared -= right.dot(solved);
+    if (kept == 0) {
+        block.A.resize(0, 0);
+        block.b.resize(0);
+        return;
+    }
     const Eigen::VectorXd b = block.b.head(kept) - cross * solved;
     const Eigen::MatrixXd A = block.A.topLeftCorner(kept, kept) - cross * factor.solve(cross.transpose());
     block.A = A;

@@ -165,7 +165,7 @@ bool Settler::advance(const TestView& view, const Information& all, const Hypoth
         return evidence.calcChange(at) + calcPriorSquare(at, set);
     };
     const double here = objective(present);
-    if (here - objective(target) < least) return false;
+    if (!(here - objective(target) >= least)) return false;  // nor where it is no number
     const double own = calcExcess(view, point, present, scales, with_validation);
     struct Reached {
         double share = 1, gain = 0;  // of the whole step; what is there of what the quadratic promises
