@@ -77,7 +77,7 @@ Matrix6c invertFactor(const Matrix6c& covariance, const Vector6& freedom) {
 Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_bracket)
     : run_(&run), with_bracket_(with_bracket), fourier_(run.sampleCount()) {
     const double spacing = 1 / (fourier_.size() * run.interval);
-    if (run.integrated && run.lowest > 0) slow_ = std::make_unique<SlowBalance>(run, model);
+    if (run.integrated() && run.lowest > 0) slow_ = std::make_unique<SlowBalance>(run, model);
     first_ = static_cast<Eigen::Index>(
         std::ceil(std::max(kLowest, slow_ ? slow_->highestBalanced() : run.lowest) / spacing));
     bins_ = std::max<Eigen::Index>(

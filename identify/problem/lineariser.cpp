@@ -27,7 +27,7 @@ Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const Te
     : test_(test),
       model_(state.model),
       open_(makeRun()),
-      slow_(open_.integrated && open_.lowest > 0 ? std::make_unique<SlowBalance>(open_, model_) : nullptr),
+      slow_(open_.integrated() && open_.lowest > 0 ? std::make_unique<SlowBalance>(open_, model_) : nullptr),
       with_bracket_(BracketEquation::isAvailable(open_, model_)),
       spectra_(open_, std::max(kCountedFrom * test.band.lowest, slow_ ? slow_->highestBalanced() : open_.lowest),
                std::min(kCountedTo * test.band.highest, kOfPass * open_.pass)),

@@ -185,7 +185,8 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
     const auto isIntegrated = [](const PartMotion& part) {
         return part.acceleration_measured && !part.displacement_measured;
     };
-    result.integrated = isIntegrated(run.mobile) || isIntegrated(run.fixed);
+    result.mobile_integrated = isIntegrated(run.mobile);
+    result.fixed_integrated = isIntegrated(run.fixed);
     result.mobile_noise = displacementNoise(run.mobile);
     result.fixed_noise = result.fixed_measured ? displacementNoise(run.fixed) : 0.0;
     const auto accelerationNoise = [](const PartMotion& part) {

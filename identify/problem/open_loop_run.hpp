@@ -44,8 +44,9 @@ struct OpenLoopRun {
     Eigen::Matrix3Xd base;    ///< m/s²; empty if not recorded
     Eigen::VectorXd swept;    ///< Hz at each sample; empty if not known
     bool fixed_measured = false;
-    bool integrated = false;  ///< a part's displacements are integrated accelerations: slow motion is not known
-    Eigen::VectorXd taper;    ///< 0 where the filter met an end, 1 inside, smooth between
+    /// A part's displacements are integrated accelerations: its slow motion is not known.
+    bool mobile_integrated = false, fixed_integrated = false;
+    Eigen::VectorXd taper;  ///< 0 where the filter met an end, 1 inside, smooth between
     /// Noise of one channel as displacement, white up to 1/(2 raw_interval) (m RMS) and the acceleration noise fused
     /// with it (m/s² RMS, infinite if accelerations were not recorded).
     double mobile_noise = 0, fixed_noise = 0;
@@ -54,6 +55,7 @@ struct OpenLoopRun {
     Eigen::Matrix<double, 12, 12> aliasing = Eigen::Matrix<double, 12, 12>::Zero();
 
     int sampleCount() const { return static_cast<int>(time.size()); }
+    bool integrated() const { return mobile_integrated || fixed_integrated; }
 };
 
 /// @param swept_frequency Hz at each sample of `run`, empty if it is not known

@@ -25,7 +25,9 @@ SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model)
     : corner_(kCorner * run.lowest), interval_(run.interval), taper_(run.taper), freedom_(calcFreedom(model.body)) {
     const auto samples = static_cast<Eigen::Index>(run.sampleCount());
     splines_ = calcWeights(samples - 1).first + 4;
-    Matrix6 M = calcMassMatrix(model.body), least = kLeastTangent * calcStiffnessMatrix(model);
+    // A fixed part that moves slowly takes no inertia force of the mobile one.
+    Matrix6 M = run.mobile_integrated ? calcMassMatrix(model.body) : Matrix6::Zero();
+    Matrix6 least = kLeastTangent * calcStiffnessMatrix(model);
     const double stiffest = calcStiffnessMatrix(model).diagonal().maxCoeff();
     holdMotions(M, freedom_, 0);
     holdMotions(least, freedom_, kLeastTangent * stiffest);
@@ -132,12 +134,15 @@ Eigen::MatrixXd SlowBalance::balance(const Eigen::Ref<const Eigen::MatrixXd>& re
 }
 
 void followSlowMotion(OpenLoopRun& run, const MountModel& model) {
-    if (!run.integrated || !(run.lowest > 0)) return;
+    if (!run.integrated() || !(run.lowest > 0)) return;
     const auto move = [&](const SlowBalance& balance, const Eigen::VectorXd& coefficients) {
         OpenLoopRun moved = run;
-        const Eigen::MatrixXd x = balance.calcMotion(coefficients, 0), v = balance.calcMotion(coefficients, 1),
-                              a = balance.calcMotion(coefficients, 2);
-        auto& part = moved.mobile;
+        // What was measured stays: the relative motion is the same if the fixed part moves the other way.
+        const double sign = run.mobile_integrated ? 1.0 : -1.0;
+        auto& part = run.mobile_integrated ? moved.mobile : moved.fixed;
+        const Eigen::MatrixXd x = sign * balance.calcMotion(coefficients, 0),
+                              v = sign * balance.calcMotion(coefficients, 1),
+                              a = sign * balance.calcMotion(coefficients, 2);
         part.p += x.topRows(3);
         part.theta += x.bottomRows(3);
         part.v += v.topRows(3);

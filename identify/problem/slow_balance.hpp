@@ -5,8 +5,10 @@
 ///
 ///     Bᵀ R = 0        (R the mount's residual, B also the weights)
 ///
-/// It belongs to the model: a stop that lies elsewhere moves the mean of the motion. With K(t) the tangent stiffness
-/// and M the mass matrix of a model, whose slow motion is known, a residual R leaves to first order
+/// It belongs to the model: a stop that lies elsewhere moves the mean of the motion. The mobile part has it where its
+/// displacements are integrated accelerations, else the fixed part, the other way and without inertia (M = 0 below).
+/// With K(t) the tangent stiffness and M the mass matrix of a model, whose slow motion is known, a residual R leaves to
+/// first order
 ///
 ///     P R = R − K B A⁻¹ Bᵀ R,        A = Bᵀ (K B + M B̈)
 ///

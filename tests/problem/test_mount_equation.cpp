@@ -84,12 +84,14 @@ TEST_CASE("A relaxing law along a cubic motion has the force of the closed solut
 }
 
 // The slow motion x that a residual R = −(M ẍ + K x) asks for, in the middle of a run: (ω² M − K)⁻¹ of its amplitude
-// at a frequency far below the knots' own.
+// at a frequency far below the knots' own; of the fixed part, the other way, without M.
 TEST_CASE("The slow motion that balances a slow force is that of the linear mount") {
     const MountModel model = makeModel();
     constexpr int samples = 2000;  // 4 s
     OpenLoopRun run = makeRun(samples, 4);
     run.lowest = 4;  // Hz: splines up to 5 Hz
+    run.mobile_integrated = GENERATE(true, false);
+    run.fixed_integrated = !run.mobile_integrated;
     for (int k = 0; k < 200; ++k) run.taper[k] = run.taper[samples - 1 - k] = 0.5 - 0.5 * std::cos(kPi * k / 200.0);
     const SlowBalance balance(run, model);
     CHECK(balance.cornerFrequency() == Approx(5));
@@ -99,7 +101,9 @@ TEST_CASE("The slow motion that balances a slow force is that of the linear moun
     const Eigen::RowVectorXd wave = (w * run.time.array()).sin().matrix().transpose();
     const Eigen::MatrixXd residual = amplitude * wave;
     const Eigen::VectorXd coefficients = balance.solve(residual);
-    const Eigen::Matrix<double, 6, 6> K = calcStiffnessMatrix(model), M = calcMassMatrix(model.body);
+    const Eigen::Matrix<double, 6, 6> K = calcStiffnessMatrix(model);
+    Eigen::Matrix<double, 6, 6> M = calcMassMatrix(model.body);
+    if (run.fixed_integrated) M.setZero();
     const Eigen::Matrix<double, 6, 1> expected = (K - w * w * M).partialPivLu().solve(amplitude);
     const Eigen::MatrixXd x = balance.calcMotion(coefficients, 0), a = balance.calcMotion(coefficients, 2);
     for (int k = samples / 4; k < 3 * samples / 4; k += 37) {
@@ -112,4 +116,36 @@ TEST_CASE("The slow motion that balances a slow force is that of the linear moun
     const Eigen::Matrix<double, 6, 1> direction = amplitude.normalized();
     const Eigen::VectorXd force = amplitude.norm() * wave.transpose();
     CHECK((balance.solve(force, direction) - coefficients).norm() < 1e-9 * coefficients.norm());
+}
+
+// A mobile part held in a motion of 1 Hz needs the forces of the mount; that fixed part which gives them follows by
+// x_F = x_M − K⁻¹ (ω² M) x_M.
+TEST_CASE("A fixed part whose slow motion was not measured takes it, and the measured mobile part none") {
+    MountModel model = makeModel();
+    model.gravity.setZero();
+    constexpr int samples = 2000;  // 4 s
+    OpenLoopRun run = makeRun(samples, 4);
+    run.lowest = 4;
+    run.fixed_integrated = true;
+    for (int k = 0; k < 200; ++k) run.taper[k] = run.taper[samples - 1 - k] = 0.5 - 0.5 * std::cos(kPi * k / 200.0);
+    const double w = kTwoPi * 1.0;
+    const Eigen::Vector3d held(4e-5, -3e-5, 5e-5);  // m
+    const Eigen::RowVectorXd wave = (w * run.time.array()).sin().matrix().transpose();
+    run.mobile.p = held * wave;
+    run.mobile.v = held * (w * (w * run.time.array()).cos()).matrix().transpose();
+    run.mobile.a = -w * w * run.mobile.p;
+    calcRelative(model, run.mobile, run.fixed, run.q, run.v);
+    const OpenLoopRun measured = run;
+    followSlowMotion(run, model);
+    CHECK(run.mobile.p == measured.mobile.p);
+    CHECK(run.mobile.a == measured.mobile.a);
+    Eigen::Matrix<double, 6, 1> pose;
+    pose << held, Eigen::Vector3d::Zero();
+    const Eigen::Matrix<double, 6, 1> expected =
+        pose - calcStiffnessMatrix(model).partialPivLu().solve(w * w * calcMassMatrix(model.body) * pose);
+    for (int k = samples / 4; k < 3 * samples / 4; k += 37) {
+        CAPTURE(k);
+        CHECK((run.fixed.p.col(k) - expected.head<3>() * wave[k]).norm() < 1e-3 * expected.head<3>().norm());
+        CHECK((run.fixed.theta.col(k) - expected.tail<3>() * wave[k]).norm() < 1e-3 * expected.head<3>().norm());
+    }
 }
