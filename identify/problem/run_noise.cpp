@@ -34,15 +34,19 @@ Matrix6 calcFitCovariance(const SensorLayout& layout, const TestRun& run, int gr
 }
 
 /// Variance of a sample of the two motions' noise, as white noise of the density at each bin of the transform; what the
-/// motions themselves have wrong stands where they are.
+/// motions themselves have wrong stands where they are. Below the corner of a slow motion nothing is left: it follows.
 std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> calcDensities(const OpenLoopRun& run, const MotionNoise& motion,
                                                                       const EquationSpectra& spectra,
-                                                                      const Eigen::MatrixXd& wrong) {
+                                                                      const Matrix6& folded,
+                                                                      const Eigen::MatrixXd& wrong, double corner) {
     std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> densities;
     const double kept = run.raw_interval / run.interval;
     for (Eigen::Index k = 0; k < spectra.densityCount(); ++k) {
-        const double w = kTwoPi * spectra.densityFrequency(std::max<Eigen::Index>(1, k));
-        densities.push_back(kept * (motion.covariance(Part::mobile, w) + motion.covariance(Part::fixed, w)));
+        const double f = spectra.densityFrequency(std::max<Eigen::Index>(1, k)), w = kTwoPi * f;
+        densities.push_back(Matrix6::Zero());
+        if (f < corner) continue;
+        densities.back() =
+            kept * (motion.covariance(Part::mobile, w) + motion.covariance(Part::fixed, w) + folded / (w * w * w * w));
     }
     for (Eigen::Index b = 0; b < wrong.cols(); ++b)
         densities[static_cast<std::size_t>(spectra.firstBin() + b)].diagonal() +=
@@ -55,12 +59,6 @@ Eigen::MatrixXcd calcRoot(const Matrix12c& covariance) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(covariance);
     return solver.eigenvectors() *
            solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().cast<std::complex<double>>().asDiagonal();
-}
-
-/// Twice integrated acceleration noise is all slow: 2 h σ² / (3 (2π)⁴ f³) above f; contact spreads it over all bins.
-double calcIntegratedVariance(const OpenLoopRun& run, double corner, double acceleration_variance) {
-    const double total = 2 * run.raw_interval * acceleration_variance / (3 * std::pow(kTwoPi, 4) * std::pow(corner, 3));
-    return total * 0.5 / run.raw_interval / (2 * run.band.highest);
 }
 
 }  // namespace
@@ -165,7 +163,6 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
     std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> directions;
     std::vector<DynamicStiffness> stiffnesses;
     std::vector<Eigen::RowVectorXd> contact;
-    double corner_variance = 0;
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
             const auto c = static_cast<int>(i);
@@ -176,10 +173,6 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
             stiffnesses.push_back(calcDynamicStiffness(run, law, row));
             contact.push_back(calcStiffnessFluctuation(run, law, row));
         }
-    if (slow != nullptr) {
-        const double w = kTwoPi * slow->cornerFrequency();
-        corner_variance = motion.covariance(Part::mobile, w).topLeftCorner<3, 3>().trace() / 3 * w * w * w * w;
-    }
     Eigen::MatrixXd poses(12, run.sampleCount());
     poses << run.mobile.p, run.mobile.theta, run.fixed.p, run.fixed.theta;
     poses.colwise() -= poses.rowwise().mean().eval();
@@ -200,17 +193,13 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
         if (!(square > 0)) continue;
         const Matrix6& along = directions[i];  // d dᵀ: variance along d is dᵀ P d = trace(along P)
         const auto row = static_cast<Eigen::Index>(i);
-        if (slow != nullptr) {
-            contact_power.row(row).setConstant(
-                square * gain *
-                calcIntegratedVariance(run, slow->cornerFrequency(), 2 * corner_variance + (along * folded).trace()));
-        } else {
-            if (densities.empty()) densities = calcDensities(run, motion, spectra, part * motion_power);
-            Eigen::RowVectorXd density(spectra.densityCount());
-            for (Eigen::Index k = 0; k < density.size(); ++k)
-                density[k] = (along * densities[static_cast<std::size_t>(k)]).trace();
-            contact_power.row(row) = spectra.calcModulated(contact[i], density).transpose();
-        }
+        if (densities.empty())
+            densities = calcDensities(run, motion, spectra, folded, part * motion_power,
+                                      slow != nullptr ? slow->cornerFrequency() : 0.0);
+        Eigen::RowVectorXd density(spectra.densityCount());
+        for (Eigen::Index k = 0; k < density.size(); ++k)
+            density[k] = (along * densities[static_cast<std::size_t>(k)]).trace();
+        contact_power.row(row) = spectra.calcModulated(contact[i], density).transpose();
         contact_variances_[i] = contact_power.row(row).mean() / (square * run.taper.squaredNorm());
     }
     const Eigen::Index every = std::max<Eigen::Index>(1, spectra.binCount() / kSamples);
