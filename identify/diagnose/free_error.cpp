@@ -7,6 +7,7 @@
 #include "identify/diagnose/whitening.hpp"
 #include "identify/forward/forward_model.hpp"
 #include "identify/forward/initial_state.hpp"
+#include "identify/forward/relative_displacement.hpp"
 #include "identify/problem/aliasing.hpp"
 #include "identify/problem/fourier.hpp"
 #include "models/axis_names.hpp"
@@ -82,6 +83,7 @@ Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model) {
 Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion& run, const MountModel& model) {
     const auto samples = static_cast<Eigen::Index>(run.time.size());
     Eigen::MatrixXd q(3 * static_cast<Eigen::Index>(model.connections.size()), samples);
+    const PartMotion body = matchBand(run, model);
     const bool same_times = recording.sampleCount() == run.time.size();
     for (std::size_t i = 0; i < model.connections.size(); ++i) {
         const auto& connection = model.connections[i];
@@ -100,9 +102,8 @@ Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion
                     relative[a] =
                         mobile[a]->values[static_cast<std::size_t>(k)] - fixed[a]->values[static_cast<std::size_t>(k)];
             } else {
-                const Eigen::Matrix3d R_GM = rotationFromVector(run.mobile.theta.col(k));
-                relative =
-                    run.mobile.p.col(k) + R_GM * connection.position - run.fixed.p.col(k) - R_GF * connection.position;
+                const Eigen::Matrix3d R_GM = rotationFromVector(body.theta.col(k));
+                relative = body.p.col(k) + R_GM * connection.position - run.fixed.p.col(k) - R_GF * connection.position;
             }
             q.block<3, 1>(3 * static_cast<Eigen::Index>(i), k) = R_GF.transpose() * relative;
         }

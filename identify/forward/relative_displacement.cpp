@@ -53,9 +53,8 @@ bool findAxis(const Recording& recording, ChannelName name, double lowest, Axis&
     return true;
 }
 
-/// The mobile part with positions that belong to those of the fixed part. Where only the fixed part's were integrated,
-/// the table's slow motion would be in one and not in the other: there the difference of the accelerations is
-/// integrated instead (translations exactly, rotations to first order), whose ends are at rest as the filter wants it.
+}  // namespace
+
 PartMotion matchBand(const RunMotion& run, const MountModel& model) {
     PartMotion mobile = run.mobile;
     if (!(run.fixed_trusted_from > 0) || run.mobile_trusted_from > 0) return mobile;
@@ -74,8 +73,6 @@ PartMotion matchBand(const RunMotion& run, const MountModel& model) {
     }
     return mobile;
 }
-
-}  // namespace
 
 Eigen::VectorXd calcRestDisplacement(const MountModel& model) {
     const StaticEquilibrium rest = findStaticEquilibrium(model);

@@ -29,6 +29,11 @@ struct RelativeDisplacement {
 /// Relative displacements (3 · connections, m) of the model's static equilibrium.
 Eigen::VectorXd calcRestDisplacement(const MountModel& model);
 
+/// The mobile part with positions that belong to those of the fixed part. Where only the fixed part's were integrated,
+/// the table's slow motion would be in one and not in the other: there the difference of the accelerations is
+/// integrated instead (translations exactly, rotations to first order), whose ends are at rest as the filter wants it.
+PartMotion matchBand(const RunMotion& run, const MountModel& model);
+
 /// The exact definition, in F axes, of the rigid motions of both parts; all axes of all connections of the model.
 /// Swept frequency and lowest frequency are left to the caller.
 RelativeDisplacement calcRelativeDisplacement(const RunMotion& run, const MountModel& model);
