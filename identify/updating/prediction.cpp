@@ -54,9 +54,10 @@ double calcPredictionBand(const TestProblem& problem, const HypothesisSet& set, 
             const MountModel model = problem.cleanModel(drawn);
             double difference = 0;
             for (std::size_t r = 0; r < runs.size(); ++r) {
-                // What the sensors have wrong is in the recording, and not in the simulation.
-                const FreeRun exact{runs[r].motion, problem.calcExactRelative(first + r, drawn), {}};
-                difference += (calcFreeResidual(exact, model) - reference[r]).squaredNorm();
+                // What the sensors have wrong is in what is compared and, without a load, in what drives.
+                const auto exact = problem.calcExactRun(first + r, drawn);
+                difference +=
+                    (calcFreeResidual({&exact.motion, exact.relative, {}}, model) - reference[r]).squaredNorm();
             }
             errors[d] = difference / signal;
         } catch (const SimulationDiverged&) {

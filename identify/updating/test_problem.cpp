@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "identify/diagnose/free_error.hpp"
 #include "identify/motion/parallel.hpp"
@@ -160,12 +161,10 @@ std::array<double, 2> TestProblem::calcDisplacementNoise(std::size_t index) cons
     return noise;
 }
 
-Eigen::MatrixXd TestProblem::calcExactRelative(std::size_t index, const TestPoint& point) const {
-    const TestRun& run = runs_[index];
-    const Recording exact = correctSensors(run.recording, layout_, point.state.sensors, &run.motion);
-    const bool integrated = !run.motion.mobile.displacement_measured && !point.state.sensors.isZero();
-    return calcMeasuredRelative(
-        exact, integrated ? estimateMotion(exact, believed_, ContactEdges::filtered) : run.motion, believed_);
+TestProblem::ExactRun TestProblem::calcExactRun(std::size_t index, const TestPoint& point) const {
+    TestRun exact = correctRun(runs_[index], point);
+    const Eigen::MatrixXd relative = calcMeasuredRelative(exact.recording, exact.motion, believed_);
+    return {std::move(exact.motion), relative};
 }
 
 TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point) const {

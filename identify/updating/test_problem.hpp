@@ -53,8 +53,13 @@ public:
     Eigen::VectorXd estimateOf(const TestPoint& point) const;
     /// m², of the displacement channels of the mobile and the fixed part of a run, over all frequencies.
     std::array<double, 2> calcDisplacementNoise(std::size_t run) const;
-    /// Relative displacements of a run as exact sensors would have shown them (calcMeasuredRelative).
-    Eigen::MatrixXd calcExactRelative(std::size_t run, const TestPoint& point) const;
+    /// The motion of a run, which may drive it, and its relative displacements (calcMeasuredRelative) as exact sensors
+    /// would have shown them.
+    struct ExactRun {
+        RunMotion motion;
+        Eigen::MatrixXd relative;
+    };
+    ExactRun calcExactRun(std::size_t run, const TestPoint& point) const;
     /// What the hypotheses and the table were before an adoption.
     struct Memento {
         std::vector<Hypothesis> hypotheses;
