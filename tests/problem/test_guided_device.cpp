@@ -170,8 +170,8 @@ TEST_CASE("A guided device, loaded itself, leaves nothing but noise at the truth
     CHECK(calcMountMisfit(recording, wrong) > 10 * exact);
 }
 
-// The table's slow motion is integrated acceleration noise, 0.4 µm in all, and meets the stop. The table's noise has no
-// redundancy, see above; the same device whose stop is not reached has it too. Contact spreads slow noise over all
+// The table's slow motion is integrated acceleration noise, 0.1 µm above 15 Hz, and meets the stop. The table's noise
+// has no redundancy, see above; the same device without stops has it too. Contact spreads slow noise over all
 // frequencies, so that the values are not independent: a quarter.
 TEST_CASE("A guided device on a shaken table leaves nothing but noise at the truth, deep in its stop") {
     const unsigned seed = test::drawSeed();
@@ -190,7 +190,7 @@ TEST_CASE("A guided device on a shaken table leaves nothing but noise at the tru
     CHECK(calcMountMisfit(recording, wrong) > 3 * exact);
 }
 
-// Markers show where the table creeps to and its accelerometer does not: ten times as far as the mass moves in its
+// Markers show where the table creeps to and its accelerometer does not: nine times as far as the mass moves in its
 // mount. At the truth no more is left than a twentieth of what a clearance does that is off by a tenth.
 TEST_CASE("A table that creeps is no error of the simulation") {
     const unsigned seed = test::drawSeed();
