@@ -44,6 +44,7 @@ void addPlanCommand(CLI::App& app, int& exit_status);
 void addInspectCommand(CLI::App& app, int& exit_status);
 void addConvertCommand(CLI::App& app, int& exit_status);
 void addMergeCommand(CLI::App& app, int& exit_status);
+void addSetCommand(CLI::App& app, int& exit_status);
 void addSingleAxisCommand(CLI::App& app, int& exit_status);
 void addBeamTipCommand(CLI::App& app, int& exit_status);
 

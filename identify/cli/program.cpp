@@ -34,6 +34,7 @@ int runIdentify(int argc, char** argv) {
     addPlanCommand(app, exit_status);
     addCompareCommand(app, exit_status);
     addSurfaceCommand(app, exit_status);
+    addSetCommand(app, exit_status);
     addSingleAxisCommand(app, exit_status);
     addBeamTipCommand(app, exit_status);
     try {

@@ -106,3 +106,33 @@ TEST_CASE("simulate writes for OpenSim, and replays what it wrote") {
     CHECK(compared.exit_status == 0);
 }
 #endif
+
+TEST_CASE("set changes parameters by name, and refuses what makes no model") {
+    const TemporaryDirectory folder;
+    folder.write("mount.toml",
+                 "name = \"m\"\n[body]\nmass = 4.0\ninertia = [0.1, 0.1, 0.1]\n[[connection]]\nname = \"a\"\n"
+                 "position = [0.0, 0.0, 0.0]\n[connection.z]\nstiffness = 2000.0\n"
+                 "stops = [ { side = \"+\", clearance = 1e-3, stiffness = 1e5 } ]\n");
+    const auto changed = runProgram(IDENTIFY_PROGRAM,
+                                    {"set", "mount.toml", "a.z.stiffness*=1.5", "a.z.+.clearance+=0.5e-3",
+                                     "body.mass=5", "-o", "other.toml", "--json", "-"},
+                                    folder.path());
+    CAPTURE(changed.output, changed.errors);
+    CHECK(changed.exit_status == 0);
+    CHECK_THAT(changed.output, Contains("\"before\": 2000.0") && Contains("\"value\": 3000.0") &&
+                                   Contains("\"value\": 0.0015") && Contains("\"value\": 5.0"));
+    const auto again = runProgram(
+        IDENTIFY_PROGRAM, {"set", "other.toml", "a.z.stiffness+=0", "-o", "third.toml", "--json", "-"}, folder.path());
+    CHECK_THAT(again.output, Contains("\"before\": 3000.0"));
+    for (const auto& [change, said] :
+         {std::pair("a.z.stiffness*=-1", "a number from 0 on"), std::pair("b.z.stiffness=1", "b.z.stiffness=1"),
+          std::pair("a.z.stiffness=", "is no change"), std::pair("=3", "is no change"),
+          std::pair("a.z.stiffness=nan", "is no change")}) {
+        const auto refused =
+            runProgram(IDENTIFY_PROGRAM, {"set", "mount.toml", change, "-o", "bad.toml"}, folder.path());
+        CAPTURE(change, refused.errors);
+        CHECK(refused.exit_status == 2);
+        CHECK_THAT(refused.errors, Contains(said));
+    }
+    CHECK(folder.list() == std::vector<std::string>{"mount.toml", "other.toml", "third.toml"});
+}

@@ -34,6 +34,7 @@ def make_reports(simulate, identify, device, folder):
     commands = {
         "convert": ["convert", "axial.csv", "axial.sto"],
         "merge": ["merge", "axial.csv", "load.csv", "-o", "merged.csv", "--common", "load.fz"],
+        "set": ["set", "device.toml", "1.z.stiffness*=1.1", "-o", "set.toml"],
         "rigidity": ["rigidity", "axial.csv", "--model", "device.toml"],
         "fit": ["fit", *runs, "--model", "believed.toml"],
         "element": ["fit", "axial.csv", "--model", "device.toml", "--connection", 4, "--axis", "z"],
