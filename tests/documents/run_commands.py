@@ -65,7 +65,7 @@ class Runner:
         (self.work / "bin").mkdir(parents=True)
         for name, path in (program.split("=") for program in arguments.programs):
             (self.work / "bin" / name).symlink_to(path)
-        for folder in ("models", "tests"):
+        for folder in ("models", "scripts", "tests"):
             (self.work / folder).symlink_to(self.source / folder)
         self.environment = {**os.environ, "PATH": f"{self.work}/bin:{os.environ['PATH']}", "BUILD": str(arguments.build)}
 
