@@ -1,9 +1,13 @@
-"""Draws hidden effects, has them diagnosed, and says how often the diagnosis was right. Called by scripts/hidden_effects."""
+"""Draws hidden effects, has them diagnosed, and says how often the diagnosis was right. Called by scripts/hidden_effects.
+
+A case is one of a campaign (scripts/campaign), with a command that draws it and one that has it diagnosed: both are this file
+again, called with --step."""
 import argparse
 import json
 import os
 import random
 import resource
+import shlex
 import shutil
 import signal
 import subprocess
@@ -11,12 +15,14 @@ import sys
 import tempfile
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [HERE, f"{HERE}/campaign_files"]
+from definition import Campaign, CampaignError  # noqa: E402
 from hidden_scores import judge, summarise  # noqa: E402
+from launch import run_campaign  # noqa: E402
 
-PROGRAMS = os.environ.get("WEMS_PROGRAMS", "build/release")
+PROGRAMS = os.path.abspath(os.environ.get("WEMS_PROGRAMS", "build/release"))
 SET_UPS = {"bracket": 0.52, "base": 0.38, "axis": 0.1}  # shares
 
 
@@ -79,7 +85,7 @@ def draw(seed, index, options):
             json.dump(truth, file, indent=1)
         os.replace(partial, folder)
     except subprocess.CalledProcessError as error:
-        print(f"{index:4d} not drawn: {error.stderr.strip()[-300:]}", flush=True)
+        raise SystemExit(f"{index:4d} not drawn: {error.stderr.strip()[-300:]}") from error
 
 
 def diagnose(index, options):
@@ -156,49 +162,112 @@ def main():
     parser.add_argument("--keep", action="store_true", help="keep the cases")
     parser.add_argument("--folder", default="", help="where the cases are written")
     parser.add_argument("--output", default="", help="where answers and cases.jsonl are written; default: answers beside the cases")
+    parser.add_argument("--resume", action="store_true", help="go on with a campaign that was ended; needs its --folder and --seed")
+    parser.add_argument("--slurm", action="store_true", help="on Slurm, --jobs at a time; the folder must be one that all nodes see")
+    parser.add_argument("--sbatch", default="", help="further options of sbatch")
+    parser.add_argument("--step", nargs=2, metavar=("STEP", "INDEX"), help=argparse.SUPPRESS)
+    parser.add_argument("--settings", help=argparse.SUPPRESS)
     options = parser.parse_args()
-    keep = bool(options.keep or options.folder or options.again)
-    options.folder = options.again or options.folder or tempfile.mkdtemp(prefix="hidden_effects_")
+    if options.step:
+        return take_step(options.step[0], int(options.step[1]), options.settings)
+    if options.resume and not options.again and (not options.folder or options.seed is None):
+        parser.error("--resume needs --folder and --seed")
+    options.identify = os.path.abspath(options.identify)
+    options.remove = not (options.keep or options.folder or options.again or options.only_draw is not None)
+    options.folder = os.path.abspath(options.again or options.folder or tempfile.mkdtemp(prefix="hidden_effects_"))
     os.makedirs(options.folder, exist_ok=True)
-    options.output = options.output or options.folder.rstrip("/") + "_answers"
-    seed = options.seed if options.seed is not None else random.SystemRandom().randrange(10**6)
+    options.output = os.path.abspath(options.output or options.folder + "_answers")
+    options.seed = options.seed if options.seed is not None else random.SystemRandom().randrange(10**6)
+    try:
+        return run_cases(list_indices(options), options)
+    except CampaignError as error:
+        print(f"hidden_effects: {error}", file=sys.stderr)
+        return 2
+
+
+def list_indices(options):
     if options.again:
         indices = sorted(int(name) for name in os.listdir(options.folder) if name.isdigit())
-        if options.index:
-            indices = [i for i in indices if i in options.index]
-    else:
-        print(f"seed {seed}, cases in {options.folder}", flush=True)
-        count = options.only_draw if options.only_draw is not None else options.cases
-        indices = options.index or list(range(options.first, options.first + count))
-    if options.only_draw is not None:
-        with ThreadPoolExecutor(options.jobs) as pool:
-            list(pool.map(lambda i: draw(seed, i, options), indices))
+        return [i for i in indices if i in options.index] if options.index else indices
+    print(f"seed {options.seed}, cases in {options.folder}", flush=True)
+    count = options.only_draw if options.only_draw is not None else options.cases
+    return options.index or list(range(options.first, options.first + count))
+
+
+def take_step(step, index, settings):
+    """One command of a case, as the campaign calls it: `draw`, or `diagnose`, which leaves its entry beside the answer."""
+    with open(settings, encoding="utf-8") as file:
+        options = argparse.Namespace(**json.load(file))
+    if step == "draw":
+        draw(options.seed, index, options)
         return 0
+    entry = diagnose(index, options)
+    with open(f"{options.output}/{index:04d}/entry.part", "w", encoding="utf-8") as file:
+        json.dump(entry, file)
+    os.replace(f"{options.output}/{index:04d}/entry.part", f"{options.output}/{index:04d}/entry.json")
+    if options.remove:
+        shutil.rmtree(f"{options.folder}/{index:04d}", ignore_errors=True)
+    return 0
 
-    def answer(index):
-        if not options.again:
-            draw(seed, index, options)
-        entry = diagnose(index, options)
-        if not keep:
-            shutil.rmtree(f"{options.folder}/{index:04d}", ignore_errors=True)
-        return entry
 
-    entries = []
-    os.makedirs(options.output, exist_ok=True)
-    with ThreadPoolExecutor(options.jobs) as pool, open(f"{options.output}/cases.jsonl", "w") as lines:
-        for entry in pool.map(answer, indices):
-            if "truth" not in entry:
+def make_campaign(indices, options):
+    """Its folder holds the settings that the steps read."""
+    where = f"{options.output}/campaign"
+    if not options.resume:
+        shutil.rmtree(where, ignore_errors=True)
+        if options.only_draw is None:
+            for index in indices:  # answers of another time
+                shutil.rmtree(f"{options.output}/{index:04d}", ignore_errors=True)
+    os.makedirs(where, exist_ok=True)
+    settings = f"{where}/settings.json"
+    with open(settings, "w", encoding="utf-8") as file:
+        json.dump(vars(options), file)
+    call = f"{shlex.quote(sys.executable)} {shlex.quote(HERE)}/hidden_effects.py --settings {shlex.quote(settings)} --step"
+    steps = [] if options.again else ["draw"]
+    steps += [] if options.only_draw is not None else ["diagnose"]
+    return Campaign({"name": "hidden effects", "batch": 1, "variable": [{"name": "number", "grid": indices}],
+                     "command": [{"run": f"{call} {step} {{number}}"} for step in steps]}, where, "hidden_effects")
+
+
+def run_cases(indices, options):
+    if not indices:
+        raise CampaignError(f"{options.folder}: no case (accepted: a folder with cases)")
+    campaign = make_campaign(indices, options)
+    where = f"{options.output}/campaign"
+    placed = argparse.Namespace(folder=where, cores=options.jobs, slurm=options.slurm, jobs=options.jobs, sbatch=options.sbatch,
+                                profile="", threads=1, minutes=240, memory=8000, programs="", quiet=True)
+    entries, statuses = [], []
+    workflow = threading.Thread(target=lambda: statuses.append(run_campaign(campaign, placed)), daemon=True)
+    workflow.start()
+    if options.only_draw is not None:
+        workflow.join()
+        return statuses[0] if statuses else 2
+    with open(f"{options.output}/cases.jsonl", "w") as lines:
+        for index in indices:
+            entry = wait_for(f"{options.output}/{index:04d}/entry.json", workflow)
+            if entry is None or "truth" not in entry:
                 continue
             judge(entry)
             print(describe(entry), flush=True)
             lines.write(json.dumps(entry) + "\n")
             lines.flush()
             entries.append(entry)
+    workflow.join()
     text = summarise(entries)
     with open(f"{options.output}/summary.txt", "w") as file:
         file.write(text + "\n")
     print("\n" + text)
     return 0
+
+
+def wait_for(path, workflow):
+    """An entry as soon as it is there; None if the workflow ends without it."""
+    while workflow.is_alive() and not os.path.exists(path):
+        time.sleep(0.2)
+    if not os.path.exists(path):
+        return None
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)
 
 
 if __name__ == "__main__":
