@@ -36,6 +36,7 @@ int runIdentify(int argc, char** argv) {
     addSurfaceCommand(app, exit_status);
     addSingleAxisCommand(app, exit_status);
     addBeamTipCommand(app, exit_status);
+    addSchemaCommand(app, exit_status);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
