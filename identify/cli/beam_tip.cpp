@@ -71,8 +71,14 @@ void runBeamTip(const BeamTipOptions& options) {
         table.addRow({name, formatNumber(spring->cubic, 6), formatNumber(spring->stiffness, 6),
                       formatNumber(spring->damping, 4), formatNumber(100 * spring->residual_fraction, 3) + " %"});
     if (options.common.printsText()) std::cout << table.format(outputStyle());
-    writeJson({{"complete", makeJson(tip.complete, "-", "s")}, {"truncated", makeJson(tip.truncated, "N/m", "N s/m")}},
-              options.common, outputs);
+    nlohmann::json data = {{"complete", makeJson(tip.complete, "-", "s")},
+                           {"truncated", makeJson(tip.truncated, "N/m", "N s/m")}};
+    ResultRecord record = beginRecord("beam-tip");
+    record.addInput("columns", options.common.column_map);
+    record.addInput("recording", options.recording);
+    if (map) record.addColumns(*map);
+    addRecord(data, record);
+    writeJson(data, options.common, outputs);
     if (!options.common.report_file.empty())
         writeReport(tip, table, recording.file, options.common.report_file, outputs);
     finishOutput(outputs);

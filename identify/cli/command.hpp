@@ -4,13 +4,23 @@
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "identify/commands/campaign.hpp"
+#include "identify/commands/format.hpp"
+#include "identify/commands/long_recordings.hpp"
+#include "identify/commands/watcher.hpp"
 #include "models/atomic_file.hpp"
-#include "models/text_table.hpp"
+#include "models/progress.hpp"
+#include "models/result/result_record.hpp"
+#include "models/terminal.hpp"
 
 namespace wems::identify::cli {
+
+using namespace commands;
 
 /// Options that every command has.
 struct CommonOptions {
@@ -30,6 +40,13 @@ void addResultOptions(CLI::App& command, CommonOptions& options);
 void addQuietOption(CLI::App& command, bool& quiet);
 /// --geometry, of commands that know a model
 void addGeometryOption(CLI::App& command, CommonOptions& options);
+/// --memory
+void addMemoryOption(CLI::App& command, MemoryOption& option);
+
+/// --fail-on, the verdicts upon which the exit status is 1.
+void addFailOption(CLI::App& command, std::vector<std::string>& verdicts, const std::vector<std::string>& accepted);
+/// Says so and sets the exit status if `verdict` is one of them.
+void failOn(const std::vector<std::string>& verdicts, const std::string& verdict, int& exit_status);
 
 /// One function for each command: adds the subcommand, its options and an example, and sets its callback. The callback
 /// throws InputError on bad input and sets `exit_status` to 1 if the question was answered but a requested limit
@@ -47,22 +64,32 @@ void addMergeCommand(CLI::App& app, int& exit_status);
 void addSetCommand(CLI::App& app, int& exit_status);
 void addSingleAxisCommand(CLI::App& app, int& exit_status);
 void addBeamTipCommand(CLI::App& app, int& exit_status);
-
-using wems::Table;
+void addSchemaCommand(CLI::App& app, int& exit_status);
 
 /// How text on standard output is to look.
 TextStyle outputStyle();
 
-/// `digits` significant digits, no trailing noise, powers of ten only from 1e7 on and below 1e-4; `-` for a value that
-/// is not finite.
-std::string formatNumber(double value, int digits = 5);
-/// Of a share: `1.23 %`
-std::string formatPercent(double share);
-/// JSON has no infinity and no NaN: null.
-nlohmann::json numberOrNull(double value);
-
 /// Writes `result` as JSON if --json was given: to standard output for `-`, else as one of the command's files.
 void writeJson(const nlohmann::json& result, const CommonOptions& options, OutputFiles& outputs);
+
+/// Shows a command's steps on the terminal, and keeps the command from writing what it reads.
+class TerminalWatcher : public Watcher {
+public:
+    /// @param output of -o; empty without
+    TerminalWatcher(std::string output, const CommonOptions& options, OutputFiles& outputs)
+        : output_(std::move(output)), options_(options), outputs_(outputs), progress_(std::in_place, !options.quiet) {}
+    void onInputs(const std::vector<std::string>& files) override;
+    void onStep(const std::string& what, double from = 0, double to = 1) override { progress_->step(what, from, to); }
+    void onProgress(double done, const std::string& what) override { progress_->show(done, what); }
+    /// The line goes: text follows.
+    void close() { progress_.reset(); }
+
+private:
+    std::string output_;
+    const CommonOptions& options_;
+    OutputFiles& outputs_;
+    std::optional<Progress> progress_;
+};
 
 /// Files that a command reads beside those of its command line, such as the runs of a test file or the bracket modes of
 /// a model: none of them may be written.

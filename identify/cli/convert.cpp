@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "identify/cli/command.hpp"
-#include "identify/cli/recordings.hpp"
 #include "identify/cli/written_recording.hpp"
+#include "identify/commands/recordings.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/format_number.hpp"
 #include "models/progress.hpp"
@@ -44,7 +44,14 @@ void runConvert(const ConvertOptions& options) {
                              std::to_string(recording.sampleCount()) + " samples from " + recording.format;
     std::vector<std::string> noticed = recording.warnings;
     noticed.insert(noticed.end(), notes.begin(), notes.end());
-    reportWritten({recording, options.output, options.input + ": " + made, noticed}, {}, options.common, outputs);
+    ResultRecord record = beginRecord("convert");
+    record.addInput("model", options.model);
+    record.addInput("columns", options.common.column_map);
+    record.addInput("recording", options.input);
+    record.options = {{"digits", options.digits}};
+    if (map) record.addColumns(*map);
+    reportWritten({recording, options.output, options.input + ": " + made, noticed}, record, {}, options.common,
+                  outputs);
     if (options.common.printsText()) {
         std::cout << options.output << ": " << made << "\n";
         if (!recording.unused_columns.empty())

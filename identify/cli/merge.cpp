@@ -5,10 +5,10 @@
 #include <memory>
 #include <optional>
 
-#include "identify/cli/channel_groups.hpp"
 #include "identify/cli/command.hpp"
-#include "identify/cli/recordings.hpp"
 #include "identify/cli/written_recording.hpp"
+#include "identify/commands/channel_groups.hpp"
+#include "identify/commands/recordings.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
@@ -71,9 +71,13 @@ void runMerge(const MergeCommandOptions& options) {
     const std::string made =
         std::to_string(merged.channels.size()) + " channels, " + std::to_string(merged.sampleCount()) + " samples at " +
         formatNumber(1 / merged.sampleInterval(), 6) + " Hz from " + formatNumber(merged.time.front(), 6) + " s";
+    ResultRecord record = beginRecord("merge");
+    for (const std::string& file : options.maps) record.addInput("columns", file);
+    for (const std::string& file : options.inputs) record.addInput("recording", file);
+    record.options = {{"common", options.merge.common}, {"rate", options.merge.rate}};
     std::vector<std::string> noticed = merged.warnings;
     noticed.insert(noticed.end(), notes.begin(), notes.end());
-    reportWritten({merged, options.output, joinWords(options.inputs, ", ") + ": " + made, noticed},
+    reportWritten({merged, options.output, joinWords(options.inputs, ", ") + ": " + made, noticed}, record,
                   plotCommon(result, options.merge.common), options.common, outputs);
     if (options.common.printsText()) {
         for (const auto& note : merged.warnings) std::cout << note << "\n";

@@ -1,9 +1,6 @@
 #include <unistd.h>
 
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
+#include <algorithm>
 #include <iostream>
 
 #include "identify/cli/command.hpp"
@@ -33,27 +30,16 @@ void addGeometryOption(CLI::App& command, CommonOptions& options) {
                  "TOML with [[marker]] and [[accelerometer]]: sensors that are not at the connections");
 }
 
+void addMemoryOption(CLI::App& command, MemoryOption& option) {
+    command
+        .add_option("--memory", option.megabytes,
+                    "MB that recordings may take; longer ones but MATLAB files before 7.3 are worked through in blocks "
+                    "(default 2000)")
+        ->check(isPositive());
+}
+
 TextStyle outputStyle() {
     return styleOf(STDOUT_FILENO);
-}
-
-std::string formatNumber(double value, int digits) {
-    if (!std::isfinite(value)) return "-";
-    char buffer[40];
-    std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
-    // 100280 rather than 1.0028e+05 beside 99690: zeros are easier to compare than powers of ten.
-    constexpr double largest_written_out = 1e7;
-    if (std::strchr(buffer, 'e') != nullptr && std::abs(value) >= 1 && std::abs(value) < largest_written_out)
-        std::snprintf(buffer, sizeof buffer, "%.0f", std::strtod(buffer, nullptr));
-    return buffer;
-}
-
-std::string formatPercent(double share) {
-    return std::isfinite(share) ? formatNumber(100 * share, 3) + " %" : std::string("-");
-}
-
-nlohmann::json numberOrNull(double value) {
-    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
 
 void writeJson(const nlohmann::json& result, const CommonOptions& options, OutputFiles& outputs) {
@@ -65,6 +51,23 @@ void writeJson(const nlohmann::json& result, const CommonOptions& options, Outpu
     } else {
         outputs.add(options.json_file, text);
     }
+}
+
+void addFailOption(CLI::App& command, std::vector<std::string>& verdicts, const std::vector<std::string>& accepted) {
+    command.add_option("--fail-on", verdicts, "exit status 1 with this verdict; several with commas between")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(CLI::IsMember(accepted));
+}
+
+void failOn(const std::vector<std::string>& verdicts, const std::string& verdict, int& exit_status) {
+    if (std::find(verdicts.begin(), verdicts.end(), verdict) == verdicts.end()) return;
+    std::cerr << "identify: the verdict is " << verdict << "\n";
+    exit_status = 1;
+}
+
+void TerminalWatcher::onInputs(const std::vector<std::string>& files) {
+    protectInputs(files, output_, options_, outputs_);
 }
 
 void protectInputs(const std::vector<std::string>& inputs, const std::string& output, const CommonOptions& options,

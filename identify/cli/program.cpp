@@ -37,6 +37,7 @@ int runIdentify(int argc, char** argv) {
     addSetCommand(app, exit_status);
     addSingleAxisCommand(app, exit_status);
     addBeamTipCommand(app, exit_status);
+    addSchemaCommand(app, exit_status);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "identify/cli/command.hpp"
-#include "identify/cli/recordings.hpp"
+#include "identify/commands/recordings.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/parameter_access.hpp"
@@ -81,7 +81,14 @@ void runSet(const SetOptions& options) {
         if (!error.location().file.empty()) throw;
         throw InputError({options.model, 0, error.location().key}, "as changed: " + error.problem(), error.accepted());
     }
-    writeJson({{"model", options.output}, {"parameters", parameters}}, options.common, outputs);
+    if (!options.common.json_file.empty()) {
+        ResultRecord record = beginRecord("set");
+        record.addInput("model", options.model);
+        record.options = {{"changes", options.changes}};
+        nlohmann::json result{{"model", options.output}, {"parameters", parameters}};
+        addRecord(result, record);
+        writeJson(result, options.common, outputs);
+    }
     if (!options.common.report_file.empty()) {
         HtmlReport page("Changed parameters: " + model.name);
         page.addTable(table.header(), table.rows());

@@ -8,8 +8,9 @@
 #include <optional>
 
 #include "identify/cli/command.hpp"
-#include "identify/cli/fitted_model.hpp"
-#include "identify/cli/recordings.hpp"
+#include "identify/commands/fitted_model.hpp"
+#include "identify/commands/recordings.hpp"
+#include "models/admissible_model.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/progress.hpp"
@@ -95,6 +96,25 @@ void writeReport(const SingleAxisResult& result, const std::string& recording, c
     page.write(file, outputs);
 }
 
+ResultRecord makeResultRecord(const SingleAxisCommandOptions& options, const MountModel& model) {
+    ResultRecord record = beginRecord("single-axis");
+    record.addInput("model", options.model);
+    record.addInput("bracket modes", model.bracket_path);
+    record.addInput("columns", options.common.column_map);
+    record.addInput("recording", options.recording);
+    record.options = {{"axis", options.axis},
+                      {"candidates", options.candidates},
+                      {"acceleration", options.acceleration},
+                      {"truncate", options.method.keep},
+                      {"hold_elastomers", options.method.hold_elastomers},
+                      {"stops", options.method.stops},
+                      {"damping", options.method.damping},
+                      {"window", options.window},
+                      {"samples", options.samples}};
+    if (const auto map = readOptionalMap(options.common.column_map)) record.addColumns(*map);
+    return record;
+}
+
 void runSingleAxis(SingleAxisCommandOptions options) {
     OutputFiles outputs;
     const std::string axes = "xyz";
@@ -124,13 +144,19 @@ void runSingleAxis(SingleAxisCommandOptions options) {
     SingleAxisResult result = identifySingleAxis(recording, model, method);
     progress.reset();
     result.notes.insert(result.notes.begin(), recording.warnings.begin(), recording.warnings.end());
-    if (!options.output.empty()) addFittedModel(model, result.model, options.output, result.notes, outputs);
+    if (!options.output.empty()) {
+        MountModel fitted = result.model;
+        for (std::string& note : makeAdmissible(model, fitted)) result.notes.push_back(std::move(note));
+        addFittedModel(fitted, options.output, outputs);
+    }
     if (options.common.printsText()) {
         std::cout << makeTable(result).format(outputStyle()) << describeSingularValues(result) << "\n"
                   << describeResidual(result) << "\n";
         for (const auto& note : result.notes) std::cout << "note: " << note << "\n";
     }
-    writeJson(makeJson(result, options.samples), options.common, outputs);
+    nlohmann::json data = makeJson(result, options.samples);
+    addRecord(data, makeResultRecord(options, model));
+    writeJson(data, options.common, outputs);
     if (!options.common.report_file.empty()) writeReport(result, recording.file, options.common.report_file, outputs);
     finishOutput(outputs);
 }

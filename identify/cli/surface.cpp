@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "identify/cli/command.hpp"
-#include "identify/cli/component_fit.hpp"
-#include "identify/cli/surface_report.hpp"
+#include "identify/commands/component_fit.hpp"
+#include "identify/commands/surface_report.hpp"
 #include "identify/component/friction_model.hpp"
 #include "identify/component/surface_grid.hpp"
 #include "identify/component/surface_kind.hpp"
@@ -29,6 +29,7 @@ struct SurfaceOptions {
     std::string recording;
     std::vector<std::string> validation;
     std::string connection, axis;
+    std::vector<std::string> fail_on;
     double mass = 0, from = 0, to = 0, low_force = 0;
 };
 
@@ -145,7 +146,20 @@ nlohmann::json reportFriction(const ComponentData& data, const std::vector<Compo
     return result;
 }
 
-void runSurface(const SurfaceOptions& options, const CLI::App& command) {
+ResultRecord makeResultRecord(const SurfaceOptions& options, const ComponentOptions& component, const ColumnMap* map) {
+    ResultRecord record = beginRecord("surface");
+    record.addInput("columns", options.common.column_map);
+    record.addInput("recording", options.recording);
+    for (const std::string& file : options.validation) record.addInput("validation", file);
+    record.options = {{"connection", options.connection}, {"axis", options.axis}, {"low_force", options.low_force}};
+    if (component.mass) record.options["mass"] = *component.mass;
+    if (component.from) record.options["from"] = *component.from;
+    if (component.to) record.options["to"] = *component.to;
+    if (map != nullptr) record.addColumns(*map);
+    return record;
+}
+
+void runSurface(const SurfaceOptions& options, const CLI::App& command, int& exit_status) {
     OutputFiles outputs;
     ComponentOptions component;
     if (command.count("--from") > 0) component.from = options.from;
@@ -176,14 +190,17 @@ void runSurface(const SurfaceOptions& options, const CLI::App& command) {
     }
     nlohmann::json result = formatResult(data, kind);
     if (kind.name.find("friction") == 0) result["friction_element"] = reportFriction(data, others, print);
+    if (!options.common.json_file.empty())
+        addRecord(result, makeResultRecord(options, component, map ? &*map : nullptr));
     writeJson(result, options.common, outputs);
     if (!options.common.report_file.empty()) writeSurfaceReport(data, kind, options.common.report_file, outputs);
     finishOutput(outputs);
+    failOn(options.fail_on, result.at("verdict"), exit_status);
 }
 
 }  // namespace
 
-void addSurfaceCommand(CLI::App& app, int& /*exit_status*/) {
+void addSurfaceCommand(CLI::App& app, int& exit_status) {
     auto* command = app.add_subcommand("surface", "Restoring force surface of a single connection");
     auto options = std::make_shared<SurfaceOptions>();
     addInputFile(*command, "recording", options->recording,
@@ -202,12 +219,13 @@ void addSurfaceCommand(CLI::App& app, int& /*exit_status*/) {
         ->check(isPositive());
     addInputFile(*command, "--validate", options->validation,
                  "other tests of the same element, on which a friction element is tried that was fitted here");
+    addFailOption(*command, options->fail_on, {"identified", "doubtful", "unexplained"});
     addCommonOptions(*command, options->common);
     command->footer(
         "Examples, force measured, and force from the acceleration of a known mass:\n"
         "  identify surface machine.csv --columns map.toml --report element.html\n"
         "  identify surface drop.csv --columns map.toml --mass 0.639 --from 0.40 --to 0.55");
-    command->callback([options, command] { runSurface(*options, *command); });
+    command->callback([options, command, &exit_status] { runSurface(*options, *command, exit_status); });
 }
 
 }  // namespace wems::identify::cli

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "identify/cli/channel_groups.hpp"
+#include "identify/commands/channel_groups.hpp"
 #include "models/format_number.hpp"
 
 namespace wems::identify::cli {
@@ -39,9 +39,13 @@ void addChannels(HtmlReport& page, const Recording& recording) {
 
 }  // namespace
 
-void reportWritten(const WrittenRecording& written, const std::vector<Plot>& pictures, const CommonOptions& options,
-                   OutputFiles& outputs) {
-    writeJson(makeRecordingJson(written), options, outputs);
+void reportWritten(const WrittenRecording& written, const ResultRecord& record, const std::vector<Plot>& pictures,
+                   const CommonOptions& options, OutputFiles& outputs) {
+    if (!options.json_file.empty()) {
+        nlohmann::json data = makeRecordingJson(written);
+        addRecord(data, record);
+        writeJson(data, options, outputs);
+    }
     if (options.report_file.empty()) return;
     HtmlReport page("Recording: " + written.file);
     page.addText(written.made);

@@ -20,8 +20,9 @@ struct WrittenRecording {
 };
 
 /// --json and --report, if they were asked for.
+/// @param record of the command
 /// @param pictures that come before those of the channels
-void reportWritten(const WrittenRecording& written, const std::vector<Plot>& pictures, const CommonOptions& options,
-                   OutputFiles& outputs);
+void reportWritten(const WrittenRecording& written, const ResultRecord& record, const std::vector<Plot>& pictures,
+                   const CommonOptions& options, OutputFiles& outputs);
 
 }  // namespace wems::identify::cli

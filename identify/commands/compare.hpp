@@ -1,0 +1,37 @@
+/// @file
+/// Errors of a simulated recording, channel by channel, by frequency band and by regime.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "identify/commands/sources.hpp"
+#include "identify/commands/watcher.hpp"
+#include "identify/forward/compare.hpp"
+#include "models/atomic_file.hpp"
+#include "models/terminal.hpp"
+
+namespace wems::identify::commands {
+
+struct CompareRequest {
+    RecordingSource measured, simulated;
+    ModelSource model;              ///< may be empty
+    std::string columns, geometry;  ///< files; may be empty
+};
+
+struct CompareAnswer {
+    Comparison comparison;
+    std::string measured, simulated;    ///< what they are called
+    std::vector<std::string> warnings;  ///< about the recordings
+    ResultRecord record;
+};
+
+/// @throws InputError
+CompareAnswer runCompare(const CompareRequest& request, Watcher& watcher);
+
+nlohmann::json toJson(const CompareAnswer& answer);
+std::string formatText(const CompareAnswer& answer, TextStyle style);
+void writeReport(const CompareAnswer& answer, const std::string& file, OutputFiles& outputs);
+
+}  // namespace wems::identify::commands

@@ -1,0 +1,111 @@
+// What the simulation gets wrong, the named causes, the extended model, the gain.
+#include "identify/commands/diagnose.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "identify/commands/diagnosis_output.hpp"
+#include "identify/commands/diagnosis_report.hpp"
+#include "identify/commands/recordings.hpp"
+#include "models/admissible_model.hpp"
+
+namespace wems::identify::commands {
+namespace {
+
+/// When the steps of a diagnosis usually begin, as part of its whole time: as if the present round were the last one,
+/// the first one as if it found a cause.
+class StepShares {
+public:
+    /// Zero where it cannot be told.
+    double findBegin(const std::string& step) {
+        const auto is = [&](const char* name) { return step.rfind(name, 0) == 0; };
+        if (is("equations of motion with")) known_ = false;  // all over again
+        if (!known_) return 0;
+        if (is("round")) ++rounds_;
+        if (is("rivals")) ++rivals_;
+        const int causes = std::max(1, rounds_ - 1);
+        double done = reading, left = one_round + causes * rivals + judging;
+        if (is("equations of motion")) {
+            left += equations + one_round + adoption;
+        } else if (is("round")) {
+            done += equations + (rounds_ - 1) * (one_round + adoption);
+            if (rounds_ == 1) left += one_round + adoption;
+        } else if (is("taken")) {
+            done += equations + rounds_ * one_round + (rounds_ - 1) * adoption;
+            left += adoption + (rounds_ - causes) * rivals;
+        } else if (is("rivals")) {
+            done += equations + rounds_ * one_round + (rounds_ - 1) * adoption + (rivals_ - 1) * rivals;
+            left = (causes - rivals_ + 1) * rivals + judging;
+        } else {
+            return 0;
+        }
+        return done / (done + left);
+    }
+
+private:
+    // As measured, in units of the time that setting the equations up takes.
+    static constexpr double reading = 0.08, equations = 1, one_round = 0.95, adoption = 0.4, rivals = 1.5,
+                            judging = 0.1;
+    int rounds_ = 0, rivals_ = 0;
+    bool known_ = true;
+};
+
+}  // namespace
+
+DiagnoseAnswer runDiagnosis(DiagnoseRequest request, Watcher& watcher) {
+    DiagnoseAnswer answer;
+    RunSelection& runs = request.runs;
+    answer.record = beginRecord("diagnose");
+    resolveRuns(runs);
+    answer.model = readDeviceModel(runs.model, runs.geometry);
+    answer.title = answer.model.name.empty() ? runs.model.file : answer.model.name;
+    addInputs(answer.record, runs, answer.model);
+    answer.record.tolerances = listTolerances(answer.model);
+    watcher.onInputs(listFiles(answer.record));
+    if (const auto map = readDeviceMap(runs.columns, answer.model)) answer.record.addColumns(*map);
+    for (const RecordingSource& judge : runs.validation)
+        for (const RecordingSource& fitted : runs.recordings)
+            if (judge.file == fitted.file && judge.loaded == fitted.loaded)
+                answer.warnings.push_back(judge.file + " is fitted to and judges too, which flatters every cause");
+    watcher.onStep("reading", 0, 1);
+    answer.identification = readDeviceRecordings(runs.recordings, runs.columns, answer.model);
+    answer.validation = readDeviceRecordings(runs.validation, runs.columns, answer.model);
+    checkFitStart(answer.model, runs.model.file);
+    for (const auto* group : {&answer.identification, &answer.validation}) {
+        checkSampleRate(*group, answer.model);
+        checkDisplacements(*group, answer.model);
+    }
+    DiagnosisOptions options;
+    StepShares shares;
+    options.progress = [&](const std::string& text) { watcher.onStep(text, shares.findBegin(text), 1); };
+    answer.diagnosis = diagnose(answer.identification, answer.validation, answer.model, options);
+    answer.extended = answer.diagnosis.extended;
+    answer.notes = makeAdmissible(answer.model, answer.extended);
+    return answer;
+}
+
+nlohmann::json toJson(const DiagnoseAnswer& answer) {
+    nlohmann::json result = makeDiagnosisJson(answer.diagnosis);
+    addRecord(result, answer.record);
+    return result;
+}
+
+std::string formatText(const DiagnoseAnswer& answer, TextStyle style) {
+    std::string text;
+    for (const auto* group : {&answer.identification, &answer.validation})
+        for (const auto& recording : *group)
+            for (const auto& warning : recording.warnings) text += recording.file + ": " + warning + "\n";
+    text += formatDiagnosis(answer.diagnosis, style);
+    for (const Cause& cause : answer.diagnosis.causes)
+        for (const std::string& place : cause.where)
+            if (const std::string* column = findColumn(answer.record.columns, place))
+                text += place + " is the column '" + *column + "'\n";
+    return text;
+}
+
+void writeReport(const DiagnoseAnswer& answer, const std::string& file, OutputFiles& outputs) {
+    writeDiagnosisReport(answer.diagnosis, answer.model, {answer.identification, answer.validation}, answer.title, file,
+                         outputs);
+}
+
+}  // namespace wems::identify::commands

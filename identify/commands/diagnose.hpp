@@ -1,0 +1,40 @@
+/// @file
+/// What the simulation gets wrong, the named causes, the extended model, the gain.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "identify/commands/campaign.hpp"
+#include "identify/commands/watcher.hpp"
+#include "identify/diagnose/diagnosis.hpp"
+#include "models/atomic_file.hpp"
+#include "models/terminal.hpp"
+
+namespace wems::identify::commands {
+
+struct DiagnoseRequest {
+    RunSelection runs;
+};
+
+struct DiagnoseAnswer {
+    Diagnosis diagnosis;
+    MountModel model;     ///< as given
+    MountModel extended;  ///< within what a model may hold
+    std::vector<Recording> identification, validation;
+    std::vector<std::string> warnings;  ///< about the choice of runs
+    std::vector<std::string> notes;     ///< how the extended model was brought within what a model may hold
+    std::string title;
+    ResultRecord record;
+};
+
+/// @throws InputError
+DiagnoseAnswer runDiagnosis(DiagnoseRequest request, Watcher& watcher);
+
+nlohmann::json toJson(const DiagnoseAnswer& answer);
+/// Without the notes.
+std::string formatText(const DiagnoseAnswer& answer, TextStyle style);
+void writeReport(const DiagnoseAnswer& answer, const std::string& file, OutputFiles& outputs);
+
+}  // namespace wems::identify::commands

@@ -1,0 +1,221 @@
+#include "identify/commands/diagnosis_output.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "identify/commands/format.hpp"
+#include "models/format_number.hpp"
+
+namespace wems::identify::commands {
+namespace {
+
+nlohmann::json group(const GroupError& error) {
+    return {{"identification", numberOrNull(error.identification)}, {"validation", numberOrNull(error.validation)}};
+}
+
+double gain(double before, double after) {
+    return after > 0 ? 20 * std::log10(before / after) : 0;
+}
+
+nlohmann::json makeParameters(const std::vector<CauseParameter>& parameters, bool with_interval) {
+    auto list = nlohmann::json::array();
+    for (const auto& p : parameters) {
+        nlohmann::json entry{{"name", p.name}, {"value", numberOrNull(p.value)}, {"unit", p.unit}};
+        if (with_interval) entry["interval95"] = {numberOrNull(p.lower), numberOrNull(p.upper)};
+        list.push_back(entry);
+    }
+    return list;
+}
+
+/// What was tried in which order: the search among exact numbers, or that with tolerances.
+nlohmann::json makeDecisions(const std::vector<Round>& rounds, const std::vector<Decision>& decisions) {
+    auto list = nlohmann::json::array();
+    for (const auto& round : rounds) {
+        auto candidates = nlohmann::json::array();
+        for (const auto& trial : round.trials)
+            candidates.push_back({{"cause", trial.candidate.describe()},
+                                  {"identification", numberOrNull(trial.identification)},
+                                  {"validation", numberOrNull(trial.validation)}});
+        list.push_back({{"action", round.reason}, {"candidates", candidates}});
+    }
+    for (const auto& decision : decisions) {
+        auto candidates = nlohmann::json::array();
+        for (const auto& candidate : decision.candidates)
+            candidates.push_back({{"cause", candidate.cause},
+                                  {"where", candidate.where},
+                                  {"log_odds", numberOrNull(candidate.log_odds)}});
+        list.push_back({{"action", decision.action},
+                        {"causes", decision.causes},
+                        {"log_evidence", numberOrNull(decision.log_evidence)},
+                        {"misfit", decision.misfit},
+                        {"error", numberOrNull(decision.error)},
+                        {"candidates", candidates}});
+    }
+    return list;
+}
+
+}  // namespace
+
+nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis) {
+    auto causes = nlohmann::json::array();
+    for (const auto& cause : diagnosis.causes) {
+        auto rivals = nlohmann::json::array();
+        for (const auto& rival : cause.rivals)
+            rivals.push_back({{"cause", rival.cause},
+                              {"where", rival.where},
+                              {"parameters", makeParameters(rival.parameters, false)},
+                              {"separate_by", rival.separate_by}});
+        causes.push_back({{"cause", cause.cause},
+                          {"probability", numberOrNull(cause.probability)},
+                          {"gain_db", numberOrNull(cause.gain_db)},
+                          {"share", numberOrNull(cause.share)},
+                          {"where", cause.where},
+                          {"parameters", makeParameters(cause.parameters, true)},
+                          {"rivals", rivals}});
+    }
+    auto adjustments = nlohmann::json::array();
+    for (const auto& adjustment : diagnosis.adjustments) {
+        const CauseParameter& p = adjustment.parameter;
+        adjustments.push_back({{"name", p.name},
+                               {"believed", numberOrNull(adjustment.believed)},
+                               {"tolerance", numberOrNull(adjustment.tolerance)},
+                               {"value", numberOrNull(p.value)},
+                               {"interval95", {numberOrNull(p.lower), numberOrNull(p.upper)}},
+                               {"unit", p.unit}});
+    }
+    const auto &before = diagnosis.error_before, &after = diagnosis.error_after;
+    return {{"verdict", formatVerdict(diagnosis.verdict)},
+            {"error_before", group(before)},
+            {"error_adjusted", group(diagnosis.error_adjusted)},
+            {"error_after", group(after)},
+            {"gain_db",
+             group({gain(before.identification, after.identification), gain(before.validation, after.validation)})},
+            {"causes", causes},
+            {"adjustments", adjustments},
+            {"prediction", {{"band", diagnosis.prediction_band ? numberOrNull(*diagnosis.prediction_band) : nullptr}}},
+            {"decisions", makeDecisions(diagnosis.rounds, diagnosis.decisions)},
+            {"unexplained",
+             {{"fraction", numberOrNull(after.validation)},
+              {"noise_floor", numberOrNull(diagnosis.noise_floor.validation)},
+              {"where", diagnosis.unexplained_where}}},
+            {"open_loop_misfit",
+             {{"before", numberOrNull(diagnosis.misfit_before)}, {"after", numberOrNull(diagnosis.misfit_after)}}},
+            {"validated", diagnosis.validated}};
+}
+
+std::string describePlace(const Round& round) {
+    if (!(round.identification_before > 1) || !(round.place_share > 0))
+        return "what the mount leaves does not exceed the noise";
+    return "a force of any history along " + round.place + " alone could make " +
+           formatPercent(std::min(round.place_share, 1.0)) + " of what the mount leaves above the noise";
+}
+
+std::vector<std::vector<std::string>> tabulateCandidates(const Decision& decision) {
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& candidate : decision.candidates)
+        rows.push_back({candidate.cause, joinWords(candidate.where, " "), formatNumber(candidate.log_odds, 4)});
+    return rows;
+}
+
+std::string describeDecision(const Decision& decision) {
+    return (decision.causes.empty() ? "no cause" : joinWords(decision.causes, ", ")) + " (" + decision.action +
+           "); misfit of the mount's equation " + formatNumber(decision.misfit.front(), 4);
+}
+
+std::vector<std::vector<std::string>> tabulateAdjustments(const Diagnosis& diagnosis) {
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& adjustment : diagnosis.adjustments) {
+        const CauseParameter& p = adjustment.parameter;
+        rows.push_back({p.name, formatNumber(adjustment.believed), formatNumber(adjustment.tolerance, 3),
+                        formatNumber(p.value), formatNumber(p.lower) + " … " + formatNumber(p.upper), p.unit});
+    }
+    return rows;
+}
+
+std::vector<std::vector<std::string>> tabulateCauses(const Diagnosis& diagnosis) {
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& cause : diagnosis.causes) {
+        bool first = true;
+        for (const auto& p : cause.parameters) {
+            const bool removed = !std::isfinite(p.value);
+            rows.push_back({first ? cause.cause : "", first ? formatNumber(cause.probability, 3) : "",
+                            first ? formatNumber(cause.gain_db, 3) : "", p.name,
+                            removed ? "no stop" : formatNumber(p.value),
+                            removed ? "" : formatNumber(p.lower) + " … " + formatNumber(p.upper), p.unit});
+            first = false;
+        }
+    }
+    return rows;
+}
+
+bool usesTolerances(const Diagnosis& diagnosis) {
+    return !diagnosis.decisions.empty();
+}
+
+std::vector<std::vector<std::string>> tabulateErrors(const Diagnosis& diagnosis) {
+    const auto row = [&](const std::string& name, double GroupError::*group) {
+        std::vector<std::string> cells{name, formatPercent(diagnosis.error_before.*group),
+                                       formatPercent(diagnosis.error_after.*group),
+                                       formatPercent(diagnosis.noise_floor.*group)};
+        if (usesTolerances(diagnosis)) cells.insert(cells.begin() + 2, formatPercent(diagnosis.error_adjusted.*group));
+        return cells;
+    };
+    return {row("identification", &GroupError::identification), row("validation", &GroupError::validation)};
+}
+
+std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
+    std::string text;
+    for (const auto& note : diagnosis.notes) text += "Motion: " + note + "\n";
+    if (!diagnosis.validated)
+        text +=
+            "No validation recordings: the identification recordings judge themselves, which flatters every cause.\n";
+    text += "\nEquations of motion along the measured motion: misfit " + formatNumber(diagnosis.misfit_before, 4) +
+            " before, " + formatNumber(diagnosis.misfit_after, 4) + " after (1 = noise alone)\n";
+    for (std::size_t r = 0; r < diagnosis.decisions.size(); ++r) {
+        text += "\nRound " + std::to_string(r + 1) + ": " + describeDecision(diagnosis.decisions[r]) + "\n";
+        Table table({"candidate", "where", "log odds"});
+        for (const auto& row : tabulateCandidates(diagnosis.decisions[r])) table.addRow(row);
+        if (!table.empty()) text += table.format(style);
+    }
+    Table adjusted({"adjusted within its tolerance", "believed", "±", "value", "95 % interval", "unit"});
+    for (const auto& row : tabulateAdjustments(diagnosis)) adjusted.addRow(row);
+    if (!adjusted.empty()) text += "\n" + adjusted.format(style);
+    for (std::size_t r = 0; r < diagnosis.rounds.size(); ++r) {
+        const auto& round = diagnosis.rounds[r];
+        text += "\nRound " + std::to_string(r + 1) + ": " + round.reason + "; " + describePlace(round) + "\n";
+        Table table({"candidate", "identification", "validation", ""});
+        for (std::size_t i = 0; i < round.trials.size(); ++i) {
+            const auto& trial = round.trials[i];
+            table.addRow({trial.candidate.describe(), formatNumber(trial.identification, 4),
+                          formatNumber(trial.validation, 4), static_cast<int>(i) == round.taken ? "taken" : ""});
+        }
+        if (!table.empty()) text += table.format(style);
+    }
+    Table parameters({"cause", "probability", "gain dB", "parameter", "value", "95 % interval", "unit"});
+    for (const auto& row : tabulateCauses(diagnosis)) parameters.addRow(row);
+    if (!parameters.empty()) text += "\n" + parameters.format(style);
+    for (const auto& cause : diagnosis.causes)
+        for (const auto& rival : cause.rivals) {
+            text += "Tie: " + cause.cause + " cannot be told from " + rival.cause + " at " +
+                    joinWords(rival.where, " ") + " (";
+            for (const auto& p : rival.parameters) text += " " + p.name + " = " + formatNumber(p.value);
+            text += " ); to separate: " + rival.separate_by + "\n";
+        }
+    std::vector<std::string> columns{"free simulation", "before", "after", "noise alone"};
+    if (usesTolerances(diagnosis)) columns.insert(columns.begin() + 2, "adjusted");
+    Table errors(columns);
+    for (const auto& row : tabulateErrors(diagnosis)) errors.addRow(row);
+    text += "\n" + errors.format(style);
+    if (diagnosis.prediction_band)
+        text += "Noise and what is not known of the numbers allow the validation runs " +
+                formatPercent(*diagnosis.prediction_band) + " (95 %).\n";
+    const bool unexplained = diagnosis.verdict == Diagnosis::Verdict::unexplained;
+    text +=
+        "\nVerdict: " + paint(formatVerdict(diagnosis.verdict), unexplained ? Colour::yellow : Colour::green, style) +
+        "\n";
+    if (!diagnosis.unexplained_where.empty())
+        text += "What is left sits at: " + joinWords(diagnosis.unexplained_where, " ") + "\n";
+    return text;
+}
+
+}  // namespace wems::identify::commands

@@ -1,0 +1,176 @@
+#include "identify/commands/diagnosis_report.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include "identify/commands/device_scene.hpp"
+#include "identify/commands/diagnosis_output.hpp"
+#include "identify/commands/format.hpp"
+#include "identify/commands/judged_runs.hpp"
+#include "identify/commands/restoring_forces.hpp"
+#include "identify/commands/simulated_runs.hpp"
+#include "identify/motion/swept_frequency.hpp"
+#include "models/format_number.hpp"
+#include "models/report/html_report.hpp"
+
+namespace wems::identify::commands {
+namespace {
+
+/// What the verdict rests on, as a sentence that can be read alone.
+std::string describeErrors(const Diagnosis& diagnosis) {
+    const auto group = diagnosis.validated ? &GroupError::validation : &GroupError::identification;
+    std::string text = "A free simulation of the ";
+    text += diagnosis.validated ? "validation" : "identification";
+    text += " recordings errs by " + formatPercent(diagnosis.error_before.*group) + " with the model as given";
+    if (!diagnosis.causes.empty())
+        text += " and by " + formatPercent(diagnosis.error_after.*group) + " with the causes below";
+    text += "; noise alone would leave " + formatPercent(diagnosis.noise_floor.*group) + ".";
+    if (diagnosis.verdict == Diagnosis::Verdict::unexplained)
+        text += " No cause of the catalogue explains what is left.";
+    return text;
+}
+
+void addErrors(const Diagnosis& diagnosis, HtmlReport& page) {
+    page.addHeading("Free simulation against the recordings");
+    std::vector<std::string> columns{"recordings", "error before", "error after", "noise alone"};
+    if (usesTolerances(diagnosis)) columns.insert(columns.begin() + 2, "adjusted");
+    page.addTable(columns, tabulateErrors(diagnosis));
+    page.addText("Equations of motion along the measured motion of the validation recordings: misfit " +
+                 formatNumber(diagnosis.misfit_before, 4) + " before, " + formatNumber(diagnosis.misfit_after, 4) +
+                 " after; noise alone leaves 1.");
+    if (diagnosis.prediction_band)
+        page.addText("Noise and what is not known of the numbers allow the validation recordings an error of " +
+                     formatPercent(*diagnosis.prediction_band) + " (95 %).");
+    if (!diagnosis.validated)
+        page.addText(
+            "There were no validation recordings: the identification recordings judged themselves, which flatters "
+            "every cause.");
+}
+
+void addCauses(const Diagnosis& diagnosis, HtmlReport& page) {
+    page.addHeading("Causes");
+    if (diagnosis.causes.empty()) {
+        page.addText("None.");
+        return;
+    }
+    page.addTable({"cause", "probability", "gain [dB]", "parameter", "value", "95 % interval", "unit"},
+                  tabulateCauses(diagnosis));
+    page.addText(
+        "Values are the new ones, not the change. A cause is named from a probability of 0.5 on; its gain is what the "
+        "error grows by without it, all others fitted again.");
+    std::vector<std::vector<std::string>> ties;
+    for (const auto& cause : diagnosis.causes)
+        for (const auto& rival : cause.rivals) {
+            std::vector<std::string> values;
+            for (const auto& p : rival.parameters)
+                values.push_back(p.name + " = " + formatNumber(p.value) + (p.unit == "-" ? "" : " " + p.unit));
+            ties.push_back(
+                {cause.cause, rival.cause, joinWords(rival.where, " "), joinWords(values, ", "), rival.separate_by});
+        }
+    if (ties.empty()) return;
+    page.addHeading("What these data cannot tell apart");
+    page.addTable({"named", "rival", "where", "the rival's parameters", "what would separate them"}, ties);
+}
+
+void addAdjustments(const Diagnosis& diagnosis, HtmlReport& page) {
+    if (diagnosis.adjustments.empty()) return;
+    page.addHeading("Adjustments: numbers that moved within their tolerance");
+    page.addTable({"number", "believed", "±", "value", "95 % interval", "unit"}, tabulateAdjustments(diagnosis));
+}
+
+void addDecisions(const Diagnosis& diagnosis, HtmlReport& page) {
+    if (diagnosis.decisions.empty()) return;
+    page.addHeading("Why: the rounds of the selection with tolerances");
+    page.addText(
+        "Exact numbers with a cause or two left a part of the error, so that every number was allowed its tolerance. "
+        "In each round every cause of the catalogue is weighed at every place, all tolerances adjusted along with it. "
+        "Log odds are those of the causes taken so far with the candidate, over those without.");
+    for (std::size_t r = 0; r < diagnosis.decisions.size(); ++r) {
+        page.addText("Round " + std::to_string(r + 1) + ": " + describeDecision(diagnosis.decisions[r]) + ".");
+        const auto rows = tabulateCandidates(diagnosis.decisions[r]);
+        if (!rows.empty()) page.addTable({"candidate", "where", "log odds"}, rows);
+    }
+}
+
+void addRounds(const Diagnosis& diagnosis, HtmlReport& page) {
+    if (diagnosis.rounds.empty()) return;
+    page.addHeading("Why: the rounds of the selection");
+    page.addText(
+        "In each round the candidates that promise most are fitted to the identification recordings, together with "
+        "what was taken before. Numbers are misfits per value of the equations of motion; noise alone leaves 1. A "
+        "candidate "
+        "is taken if it is the best one and reduces the misfit of the validation recordings too.");
+    for (std::size_t r = 0; r < diagnosis.rounds.size(); ++r) {
+        const auto& round = diagnosis.rounds[r];
+        page.addText("Round " + std::to_string(r + 1) + ": " + round.reason + ". Before: identification " +
+                     formatNumber(round.identification_before, 4) + ", validation " +
+                     formatNumber(round.validation_before, 4) + "; " + describePlace(round) + ".");
+        std::vector<std::vector<std::string>> rows;
+        for (std::size_t i = 0; i < round.trials.size(); ++i) {
+            const auto& trial = round.trials[i];
+            std::vector<std::string> values;
+            for (const double value : trial.values) values.push_back(formatNumber(value));
+            rows.push_back({trial.candidate.describe(), joinWords(values, ", "), formatNumber(trial.identification, 4),
+                            formatNumber(trial.validation, 4), static_cast<int>(i) == round.taken ? "taken" : ""});
+        }
+        if (!rows.empty()) page.addTable({"candidate", "values, SI", "identification", "validation", ""}, rows);
+    }
+}
+
+void addSpectrum(const Diagnosis& diagnosis, HtmlReport& page) {
+    if (diagnosis.spectrum.frequency.empty()) return;
+    Plot plot{"Misfit of the equations of motion, validation recordings",
+              "frequency [Hz]",
+              "misfit per value",
+              {},
+              false,
+              true};
+    plot.series.push_back({"before", diagnosis.spectrum.frequency, diagnosis.spectrum.before, false, kBeforeColor});
+    plot.series.push_back({"after", diagnosis.spectrum.frequency, diagnosis.spectrum.after, false, kAfterColor});
+    page.addPlot(plot);
+}
+
+/// Before and after: forces along all runs, free simulations of those that judged.
+void addCurves(const Diagnosis& diagnosis, const MountModel& model, const DiagnosedRuns& runs, HtmlReport& page) {
+    const auto named = findNamedAxis(diagnosis);
+    const auto& judges = diagnosis.validated ? runs.validation : runs.identification;
+    const auto judged = prepareJudgedRuns(judges, diagnosis, kMostDrawn);
+    auto all = judged;
+    if (diagnosis.validated) {
+        auto fitted = prepareJudgedRuns(runs.identification, diagnosis, kMostDrawn);
+        std::move(fitted.begin(), fitted.end(), std::back_inserter(all));
+    }
+    if (judged.size() < judges.size())
+        page.addText("Of " + std::to_string(judges.size()) + " runs that judged, the first " +
+                     std::to_string(judged.size()) + " are drawn.");
+    std::vector<MovedRun> moved;
+    for (const JudgedRun& run : all) moved.push_back({&run.motion, findSweptFrequency(run.recording)});
+    addRestoringForces(page, moved, model, diagnosis.extended, "as extended", named);
+    const GroupError& noise = diagnosis.noise_floor;
+    addSimulatedRuns(page, judged, model, diagnosis.extended,
+                     diagnosis.validated ? noise.validation : noise.identification, named);
+}
+
+}  // namespace
+
+void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, const DiagnosedRuns& runs,
+                          const std::string& title, const std::string& file, OutputFiles& outputs) {
+    HtmlReport page("Diagnosis of " + title);
+    page.addLead("Verdict: " + formatVerdict(diagnosis.verdict));
+    page.addText(describeErrors(diagnosis));
+    if (!diagnosis.unexplained_where.empty())
+        page.addText("What is left sits at: " + joinWords(diagnosis.unexplained_where, ", "));
+    addCauses(diagnosis, page);
+    addErrors(diagnosis, page);
+    addMotion(page, makeDeviceScene(runs.identification, diagnosis.extended));
+    addCurves(diagnosis, model, runs, page);
+    addSpectrum(diagnosis, page);
+    addAdjustments(diagnosis, page);
+    addDecisions(diagnosis, page);
+    addRounds(diagnosis, page);
+    page.addHeading("How the motion was obtained");
+    page.addList(diagnosis.notes);
+    page.write(file, outputs);
+}
+
+}  // namespace wems::identify::commands

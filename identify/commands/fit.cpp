@@ -1,0 +1,229 @@
+// Stiffness, clearance, stop stiffness and damping of each connection and axis, with intervals.
+#include "identify/commands/fit.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "identify/commands/component_fit.hpp"
+#include "identify/commands/fit_report.hpp"
+#include "identify/commands/recordings.hpp"
+#include "identify/component/component_data.hpp"
+#include "identify/fit/law_verdict.hpp"
+#include "identify/fit/stopwatch.hpp"
+#include "identify/motion/parallel.hpp"
+#include "models/admissible_model.hpp"
+#include "models/error.hpp"
+#include "models/report/html_report.hpp"
+
+namespace wems::identify::commands {
+namespace {
+
+constexpr double kReadingShare = 0.09, kMotionShare = 0.23;  // of the time when these steps are done, as measured
+
+DeviceRuns estimateRuns(const FitRequest& request, const MountModel& model, std::vector<Recording>& recordings,
+                        Watcher& watcher) {
+    DeviceRuns result;
+    for (Recording& recording : recordings) keepOnly(request.use, recording);
+    result.runs.resize(recordings.size());
+    watcher.onStep("motion of both parts", kReadingShare, kMotionShare);
+    runParallel(recordings.size(), [&](std::size_t r) { result.runs[r] = estimateMotion(recordings[r], model); });
+    for (std::size_t r = 0; r < recordings.size(); ++r) {
+        for (const auto& warning : recordings[r].warnings) result.notes.push_back(recordings[r].file + ": " + warning);
+        for (const auto& note : result.runs[r].notes) result.notes.push_back(recordings[r].file + ": " + note);
+    }
+    return result;
+}
+
+/// A mount that feeds its motion is none: the recording runs backwards, or a sign is wrong.
+void noteNegativeDamping(const FitResult& fit, std::vector<std::string>& notes) {
+    const std::string ending = ".damping";
+    long known = 0, negative = 0;
+    std::string first;
+    for (const FittedParameter& parameter : fit.parameters) {
+        const std::string& name = parameter.name;
+        if (name.size() < ending.size() || name.compare(name.size() - ending.size(), ending.size(), ending) != 0)
+            continue;
+        ++known;
+        if (!(parameter.interval95[1] < 0)) continue;
+        ++negative;
+        if (first.empty()) first = name + " = " + formatNumber(parameter.value, 3) + " " + parameter.unit;
+    }
+    if (2 * negative > known)
+        notes.push_back("the mount feeds the motion with energy (" + first +
+                        " and others): does the time run backwards, or has a channel the wrong sign?");
+}
+
+/// @param recordings of the runs; none where the runs are blocks of long ones
+void fitDevice(const FitRequest& request, const std::vector<Recording>& recordings, DeviceRuns device, Watcher& watcher,
+               FitAnswer& answer) {
+    Stopwatch watch(answer.timing);
+    answer.notes = std::move(device.notes);
+    answer.blocks = std::move(device.blocks);
+    watcher.onStep("equations of motion, parameters and intervals", answer.blocks ? 0 : kMotionShare, 1);
+    answer.mount = fitMount(device.runs, answer.start, request.fit);
+    const FitResult& fit = *answer.mount;
+    answer.notes.insert(answer.notes.end(), fit.notes.begin(), fit.notes.end());
+    noteNegativeDamping(fit, answer.notes);
+    answer.fitted = fit.model;
+    const auto limited = makeAdmissible(answer.start, answer.fitted);
+    if (request.wants_model || !request.runs.validation.empty())
+        answer.notes.insert(answer.notes.end(), limited.begin(), limited.end());
+    watch.restart();  // the fit has steps of its own
+    answer.timing.insert(answer.timing.end(), fit.timing.begin(), fit.timing.end());
+    if (!request.runs.validation.empty()) watcher.onStep("free simulations of the validation runs", 0, 1);
+    answer.validation = validateModel(
+        answer.fitted, readDeviceRecordings(request.runs.validation, request.runs.columns, answer.fitted));
+    watch.lap("validation");
+    if (!request.timing) answer.timing.clear();
+    if (!request.keeps_runs) return;
+    answer.runs = std::move(device.runs);
+    answer.recordings = recordings;
+}
+
+/// Force over displacement, as measured and as the fitted law has it along the measured motion.
+Plot plotElement(const ComponentData& data, const ComponentFit& fit) {
+    const Eigen::VectorXd q = 1e3 * data.q;
+    const Connection* connection = fit.fitted.connections.data();
+    for (const Connection& candidate : fit.fitted.connections)
+        if (candidate.name == fit.connection) connection = &candidate;
+    const AxisForce law(connection->axis.at(static_cast<std::size_t>(fit.axis)));
+    Plot plot{"Force over displacement: " + data.file, "displacement [mm]", "force [N]", {}, true};
+    plot.series.push_back({"measured", {q.begin(), q.end()}, {data.force.begin(), data.force.end()}});
+    if (law.law().friction && !data.has_velocity) return plot;  // its direction is not in the data
+    Series fitted{"fitted", {q.begin(), q.end()}, {}};
+    for (Eigen::Index k = 0; k < data.count(); ++k)
+        fitted.y.push_back(law.calcForce(data.q[k], data.velocity[k], data.time[k], nullptr) + fit.force_offset);
+    plot.series.push_back(std::move(fitted));
+    return plot;
+}
+
+void fitElement(const FitRequest& request, std::vector<Recording> recordings, FitAnswer& answer) {
+    answer.element = fitComponent(recordings, answer.start, request.component);
+    ComponentFit& fit = *answer.element;
+    for (const Recording& recording : recordings)
+        for (const auto& warning : recording.warnings) fit.notes.push_back(recording.file + ": " + warning);
+    answer.fitted = fit.fitted;
+    const auto limited = makeAdmissible(answer.start, answer.fitted);
+    if (request.wants_model) fit.notes.insert(fit.notes.end(), limited.begin(), limited.end());
+    answer.component = request.component;
+    if (request.keeps_runs) answer.recordings = std::move(recordings);
+}
+
+nlohmann::json describeOptions(const FitRequest& request) {
+    nlohmann::json options = {
+        {"free", request.fit.free_body}, {"use", request.use}, {"memory_MB", request.memory.megabytes}};
+    const ComponentOptions& element = request.component;
+    if (!element.connection.empty()) options["connection"] = element.connection;
+    if (element.axis) options["axis"] = std::string(1, "xyz"[*element.axis]);
+    if (element.mass) options["mass"] = *element.mass;
+    if (element.from) options["from"] = *element.from;
+    if (element.to) options["to"] = *element.to;
+    return options;
+}
+
+void writeElementReport(const FitAnswer& answer, const std::string& file, OutputFiles& outputs) {
+    const ComponentFit& fit = *answer.element;
+    HtmlReport page("Identified element: connection " + fit.connection + ", axis " + "xyz"[fit.axis]);
+    const Table table = tabulateParameters(fit.parameters);
+    page.addTable(table.header(), table.rows());
+    for (const Recording& recording : answer.recordings)
+        page.addPlot(
+            plotElement(extractComponent(recording, completeOptions(recording, answer.start, answer.component)), fit));
+    for (const auto& note : fit.notes) page.addText(note);
+    page.write(file, outputs);
+}
+
+}  // namespace
+
+std::string FitAnswer::verdict() const {
+    return toJson(*this).at("verdict");
+}
+
+FitAnswer runFit(FitRequest request, Watcher& watcher) {
+    FitAnswer answer;
+    answer.record = beginRecord("fit");
+    Stopwatch watch(answer.timing);
+    const auto campaign = resolveRuns(request.runs);
+    answer.start = readDeviceModel(request.runs.model, request.runs.geometry);
+    addInputs(answer.record, request.runs, answer.start);
+    answer.record.options = describeOptions(request);
+    watcher.onInputs(listFiles(answer.record));
+    if (campaign)
+        for (const RecordingSource& source : request.runs.validation)
+            answer.validation_names.push_back(campaign->describe(source.file));
+    const std::optional<ColumnMap> map = readDeviceMap(request.runs.columns, answer.start);
+    if (map) answer.record.addColumns(*map);
+    const std::vector<RecordingSource>& sources = request.runs.recordings;
+    const bool asks_for_element = request.component.mass || request.component.axis;
+    const auto size = estimateSize(sources, map ? &*map : nullptr);
+    if (size && !size->component && !asks_for_element &&
+        exceedsMemory(*size, answer.start, request.fit, request.memory)) {
+        DeviceRuns device = chooseBlocks(sources, map ? &*map : nullptr, answer.start, request.fit, request.use, *size,
+                                         request.memory, watcher);
+        watch.lap("reading and choice of blocks");
+        fitDevice(request, {}, std::move(device), watcher, answer);
+        return answer;
+    }
+    std::vector<Recording> recordings;
+    for (const RecordingSource& source : sources) {
+        const auto all = static_cast<double>(sources.size()), read = static_cast<double>(recordings.size());
+        watcher.onStep("reading " + source.file, kReadingShare * read / all, kReadingShare * (read + 1) / all);
+        recordings.push_back(readSource(source, map ? &*map : nullptr));
+        if (isComponentTest(recordings.back()) != isComponentTest(recordings.front()))
+            throw InputError({source.file, 0, ""}, "a component test and a recording of a whole device",
+                             "recordings of one kind in one fit");
+    }
+    watch.lap("reading");
+    if (!isComponentTest(recordings.front()) && !asks_for_element) {
+        checkFitStart(answer.start, request.runs.model.file);
+        checkSampleRate(recordings, answer.start);
+        checkDisplacements(recordings, answer.start);
+        for (Recording& recording : recordings) checkWhole(recording, answer.start);
+        watch.lap("checks");
+        DeviceRuns device = estimateRuns(request, answer.start, recordings, watcher);
+        watch.lap("kinematics");
+        fitDevice(request, recordings, std::move(device), watcher, answer);
+        return answer;
+    }
+    answer.timing.clear();
+    request.component.time_known = !map || map->has_time || map->sample_interval != 1;
+    fitElement(request, std::move(recordings), answer);
+    return answer;
+}
+
+nlohmann::json toJson(const FitAnswer& answer) {
+    nlohmann::json result =
+        answer.mount ? makeFitJson(*answer.mount, answer.notes, answer.timing) : toJson(*answer.element);
+    if (answer.blocks) result["blocks"] = answer.blocks->makeJson();
+    for (const ValidationError& run : answer.validation)
+        result["validation"].push_back({{"run", run.file}, {"error", numberOrNull(run.error)}});
+    addRecord(result, answer.record);
+    return result;
+}
+
+std::string formatText(const FitAnswer& answer, TextStyle style) {
+    if (answer.element) return formatText(*answer.element, style);
+    const FitResult& fit = *answer.mount;
+    std::string text = makeParameterTable(fit).format(style);
+    const Table open = makeOpenTable(fit);
+    if (!open.rows().empty()) text += "\n" + open.format(style);
+    text += "\n" + describeResidual(fit) + "\n";
+    for (std::size_t i = 0; i < answer.validation.size(); ++i) {
+        const ValidationError& run = answer.validation[i];
+        text += "validation: " + (i < answer.validation_names.size() ? answer.validation_names[i] : run.file) + ": " +
+                (run.problem.empty()
+                     ? "error " + formatNumber(100 * run.error, 3) + " % of the measured relative displacement"
+                     : run.problem) +
+                "\n";
+    }
+    for (const auto& note : answer.notes) text += "note: " + note + "\n";
+    for (const auto& [step, seconds] : answer.timing) text += "time: " + step + " " + formatNumber(seconds, 3) + " s\n";
+    return text;
+}
+
+void writeReport(const FitAnswer& answer, const std::string& file, OutputFiles& outputs) {
+    if (answer.element) return writeElementReport(answer, file, outputs);
+    writeFitReport({*answer.mount, answer.start, answer.runs, answer.recordings, answer.notes}, file, outputs);
+}
+
+}  // namespace wems::identify::commands

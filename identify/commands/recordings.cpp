@@ -1,0 +1,122 @@
+#include "identify/commands/recordings.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "identify/inspect/derivative_check.hpp"
+#include "models/error.hpp"
+#include "models/format_number.hpp"
+#include "models/linear_modes.hpp"
+#include "models/recording/connection_checks.hpp"
+
+namespace wems::identify::commands {
+namespace {
+
+constexpr std::size_t least_samples = 8;  // that a motion is estimated from
+
+/// Hz; 0 where the model alone has no stable rest.
+double findLowestFrequency(const MountModel& model) {
+    constexpr double reference = 10;  // Hz; the order of magnitude counts
+    try {
+        return findLinearModes(linearize(model, reference)).frequency.minCoeff();
+    } catch (const InputError&) {
+        return 0;
+    }
+}
+
+}  // namespace
+
+void checkFitStart(const MountModel& model, const std::string& file) {
+    for (const Connection& connection : model.connections)
+        for (const AxisLaw& law : connection.axis)
+            if (law.stiffness > 0) return;
+    throw InputError({file, 0, "connection"}, "every stiffness is 0",
+                     "first guesses above 0, such as the design's: the fit starts from them");
+}
+
+void checkSampleRate(const std::vector<Recording>& recordings, const MountModel& model) {
+    const double lowest = findLowestFrequency(model);
+    if (!(lowest > 0)) return;
+    for (const Recording& recording : recordings) {
+        const double interval = recording.sampleInterval();
+        if (!(interval > 0) || 1 / interval > 2 * lowest) continue;
+        throw InputError({recording.file, 0, "time"},
+                         "the sample rate of " + formatNumber(1 / interval, 3) +
+                             " Hz is below twice the lowest natural frequency of the model, " +
+                             formatNumber(lowest, 3) + " Hz",
+                         "a higher rate; is the unit of time the right one?");
+    }
+}
+
+void checkDisplacements(const std::vector<Recording>& recordings, const MountModel& model) {
+    for (const Recording& recording : recordings) checkRigidBound(recording, model);
+}
+
+std::optional<ColumnMap> readOptionalMap(const std::string& file) {
+    if (file.empty()) return std::nullopt;
+    return readColumnMap(file);
+}
+
+std::optional<ColumnMap> readDeviceMap(const std::string& file, const MountModel& model) {
+    std::optional<ColumnMap> map = readOptionalMap(file);
+    const bool named = std::any_of(model.places.begin(), model.places.end(), [](const SensorPlace& place) {
+        return std::any_of(place.columns.begin(), place.columns.end(), [](const auto& text) { return !text.empty(); });
+    });
+    if (!named) return map;
+    if (!map) map = ColumnMap{};
+    if (map->file.empty()) map->file = "geometry";
+    addColumns(model.places, *map);
+    return map;
+}
+
+MountModel readDeviceModel(const ModelSource& source, const std::string& geometry) {
+    MountModel model = readSource(source);
+    if (geometry.empty()) return model;
+    for (SensorPlace& place : readSensorPlaces(geometry)) model.places.push_back(std::move(place));
+    try {
+        validate(model);
+    } catch (const InputError& error) {
+        throw InputError({geometry, 0, error.location().key}, error.problem(), error.accepted());
+    }
+    return model;
+}
+
+void checkConnections(Recording& recording, const MountModel& model) {
+    for (const Finding& finding : checkAgainstModel(recording, model)) recording.warnings.push_back(finding.message);
+}
+
+void checkWhole(Recording& recording, const MountModel& model) {
+    checkConnections(recording, model);
+    for (std::string& sentence : findContradictions(recording)) recording.warnings.push_back(std::move(sentence));
+}
+
+void keepOnly(const std::string& use, Recording& recording) {
+    if (use == "all") return;
+    const Derivative kept = use == "accelerations" ? Derivative::acceleration : Derivative::displacement;
+    auto& channels = recording.channels;
+    channels.erase(std::remove_if(channels.begin(), channels.end(),
+                                  [&](const Channel& channel) {
+                                      const auto name = parseChannelName(channel.name);
+                                      return name && (name->part == Part::mobile || name->part == Part::fixed) &&
+                                             name->derivative != kept;
+                                  }),
+                   channels.end());
+}
+
+std::vector<Recording> readDeviceRecordings(const std::vector<RecordingSource>& sources, const std::string& column_map,
+                                            const MountModel& model) {
+    const std::optional<ColumnMap> map = readDeviceMap(column_map, model);
+    std::vector<Recording> recordings;
+    recordings.reserve(sources.size());
+    for (const RecordingSource& source : sources) {
+        recordings.push_back(readSource(source, map ? &*map : nullptr));
+        if (recordings.back().sampleCount() < least_samples)
+            throw InputError({source.file, 0, "time"},
+                             "only " + std::to_string(recordings.back().sampleCount()) + " samples",
+                             "at least " + std::to_string(least_samples));
+        checkWhole(recordings.back(), model);
+    }
+    return recordings;
+}
+
+}  // namespace wems::identify::commands
