@@ -8,6 +8,7 @@
 #include "identify/problem/smoothing_kernel.hpp"
 #include "models/axis_names.hpp"
 #include "models/bryant.hpp"
+#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
@@ -17,6 +18,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 constexpr double kAccelerationPass = 55.0, kAccelerationStop = 110.0, kAccelerationRate = 400.0;  // Hz
 constexpr double kLeastTriaxShare = 0.5;  // of what exceeds the noise
 constexpr double kAttenuation = 0.2;      // how well the noise of the predictions is known
+// rad, standard deviation of a triax' rotation before it is measured. Where the part moves along one axis alone,
+// nothing tells how far a triax is turned about it: it then stays where it was.
+constexpr double kTurned = 1.0;
 
 /// Sums over the samples of one triax: predicted accelerations and their rates z (6), misfit d (3).
 struct TriaxMoments {
@@ -80,7 +84,8 @@ bool addRun(const Recording& recording, const RunMotion& motion, const PartMotio
                                   part.displacement_noise * part.displacement_noise * calcNoiseGain(kernel) * leverages;
     if (power.allFinite()) {
         moments.noise += power;
-        moments.signal.diagonal().head<3>() -= power;
+        // Along an axis that does not move nothing but this noise stands there: no signal is left, not less than none.
+        moments.signal.diagonal().head<3>() = (moments.signal.diagonal().head<3>() - power).cwiseMax(0.0);
         moments.misfit.diagonal() += power;
     }
     moments.independent += static_cast<double>(s.cols()) * interval * 2 * kAccelerationPass;
@@ -112,6 +117,11 @@ std::vector<TriaxHypothesis> listHypotheses(const std::string& triad) {
     return list;
 }
 
+/// By more than calibration leaves, and by less than half a turn: beyond it every direction has a nearer name.
+bool isTurned(const Eigen::VectorXd& rotation) {
+    return rotation.norm() > kLeastRotation && rotation.norm() < kPi;
+}
+
 void testTriax(const TriaxMoments& moments, const std::string& triad, double gain_scatter,
                std::vector<ChannelFault>& faults) {
     // What all columns together leave is noise.
@@ -137,6 +147,7 @@ void testTriax(const TriaxMoments& moments, const std::string& triad, double gai
                 normal(i, j) =
                     (weight * map * moments.signal).cwiseProduct(hypothesis.maps[static_cast<std::size_t>(j)]).sum();
         }
+        if (hypothesis.cause == "sensor_misalignment") normal.diagonal().array() += 1 / (kTurned * kTurned);
         const Eigen::VectorXd values = normal.ldlt().solve(right);
         const Eigen::VectorXd errors = normal.inverse().diagonal().cwiseAbs().cwiseSqrt();
         const double gain = values.dot(right) - 30.0 * static_cast<double>(count);
@@ -145,7 +156,7 @@ void testTriax(const TriaxMoments& moments, const std::string& triad, double gai
         const bool large = hypothesis.cause == "sensor_gain"
                                ? std::abs(values[0]) > kScatters * gain_scatter + attenuation
                            : hypothesis.cause == "sensor_delay" ? std::abs(values[0]) > kLeastDelay
-                                                                : values.norm() > kLeastRotation;
+                                                                : isTurned(values);
         if (gain <= best || !large) continue;
         best = gain;
         chosen = {};

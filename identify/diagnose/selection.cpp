@@ -36,7 +36,7 @@ public:
           validation_(validation),
           base_(model),
           options_(options),
-          trials_(identification, validation, {options.least_gain, options.only_place}) {}
+          trials_(identification, validation, {options.least_gain, options.only_place, options.excluded}) {}
 
     Selection run() {
         setReference(base_);

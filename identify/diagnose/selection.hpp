@@ -40,11 +40,12 @@ struct Selection {
 struct SelectionOptions {
     int max_rounds = 6;
     int max_causes = 4;
-    int trials = 8;                 ///< candidates fitted in each round
-    double least_gain = 0.04;       ///< of the misfit per value, on both groups
-    bool judged_elsewhere = false;  ///< the validation runs need not gain, only not lose: a simulation judges
-    double least_fraction = 0.08;   ///< of what the validation misfit exceeds 1 by
-    std::string only_place;         ///< axis (`1.x`) at which alone causes are tried; empty: everywhere
+    int trials = 8;                   ///< candidates fitted in each round
+    double least_gain = 0.04;         ///< of the misfit per value, on both groups
+    bool judged_elsewhere = false;    ///< the validation runs need not gain, only not lose: a simulation judges
+    double least_fraction = 0.08;     ///< of what the validation misfit exceeds 1 by
+    std::string only_place;           ///< axis (`1.x`) at which alone causes are tried; empty: everywhere
+    std::vector<Candidate> excluded;  ///< not tried, nor the same cause at some of its places
     std::function<void(const std::string&)> progress;
 };
 

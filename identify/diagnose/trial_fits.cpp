@@ -57,10 +57,22 @@ double TrialFits::score(const Trial& trial) const {
            2 * price(trial.identification) * static_cast<double>(trial.candidate.knobs.size());
 }
 
+bool TrialFits::isExcluded(const Candidate& candidate) const {
+    return std::any_of(options_.excluded.begin(), options_.excluded.end(), [&](const Candidate& other) {
+        return other.cause == candidate.cause &&
+               std::all_of(candidate.where.begin(), candidate.where.end(), [&](const std::string& place) {
+                   return std::find(other.where.begin(), other.where.end(), place) != other.where.end();
+               });
+    });
+}
+
 std::vector<Candidate> TrialFits::makePossible(const ParameterFit& present) const {
     auto catalogue = makeCatalogue(present.model, with_bracket_);
     for (auto& candidate : makeMissingMode(identification_, present.model, present.residual))
         catalogue.push_back(std::move(candidate));
+    catalogue.erase(
+        std::remove_if(catalogue.begin(), catalogue.end(), [&](const Candidate& own) { return isExcluded(own); }),
+        catalogue.end());
     const auto keepPossible = [&](const std::function<bool(const std::string&)>& isPossible) {
         const auto excluded = [&](const Candidate& candidate) {
             return !std::all_of(candidate.where.begin(), candidate.where.end(), isPossible);

@@ -29,6 +29,7 @@ struct FittedTrial {
 struct TrialOptions {
     double least_gain = 0;   ///< of the misfit per value; what promises less than a quarter of it is not fitted
     std::string only_place;  ///< axis (`1.x`) at which alone causes are tried; empty: everywhere
+    std::vector<Candidate> excluded;  ///< not tried, nor the same cause at some of its places
 };
 
 class TrialFits {
@@ -47,6 +48,7 @@ public:
     double price(double misfit) const;
 
 private:
+    bool isExcluded(const Candidate& candidate) const;
     std::vector<Candidate> makePossible(const ParameterFit& present) const;
     double score(const Trial& trial) const;
 
