@@ -9,7 +9,6 @@
 #include "identify/motion/motion.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/diagnose/hidden_device.hpp"
-#include "tests/diagnose/too_slow.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;
@@ -68,7 +67,6 @@ TEST_CASE("A simulated recording is the model's motion, with the recording's noi
 /// At 500 Hz a contact lasts a few samples, so that δ' is smoothed: χ comes out some 10 % low. How much must be known
 /// without knowing the truth.
 TEST_CASE("The bias of a stop's dissipation is found from the recording alone", "[diagnose]") {
-    if (test::isTooSlow()) return;
     const auto seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);

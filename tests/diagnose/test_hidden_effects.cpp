@@ -9,7 +9,6 @@
 #include "identify/diagnose/diagnosis.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "tests/diagnose/draw_until.hpp"
-#include "tests/diagnose/too_slow.hpp"
 #include "tests/hidden/random_case.hpp"
 #include "tests/recording/temporary_file.hpp"
 
@@ -44,7 +43,6 @@ std::vector<std::string> listNamed(const Diagnosis& diagnosis) {
 }  // namespace
 
 TEST_CASE("A random device without hidden effect is left alone", "[diagnose]") {
-    if (test::isTooSlow()) return;
     test::drawUntilClear([](std::uint64_t seed) -> std::string {
         const auto hidden = draw("none", seed);
         const auto diagnosis = diagnoseCase(hidden, seed);
@@ -58,7 +56,6 @@ TEST_CASE("A random device without hidden effect is left alone", "[diagnose]") {
 }
 
 TEST_CASE("A random hidden effect is named or tied", "[diagnose]") {
-    if (test::isTooSlow()) return;
     test::drawUntilClear([](std::uint64_t seed) {
         auto hidden = draw("single", seed);
         for (std::uint64_t next = seed + 1; hidden.displacement_noise == 0; ++next) hidden = draw("single", next);
@@ -71,7 +68,6 @@ TEST_CASE("A random hidden effect is named or tied", "[diagnose]") {
 // With stops reached: their mean push is not measured, and what contact folds in sampled accelerations must not pass
 // for an effect. Folding hides some.
 TEST_CASE("A random effect on body or elastomer is named or tied, from accelerations alone", "[diagnose]") {
-    if (test::isTooSlow()) return;
     test::drawUntilClear([](std::uint64_t seed) {
         const std::array<std::string, 3> causes{"mass", "cog_offset", "elastomer_stiffness"};
         const std::string& cause = causes.at(seed % causes.size());
@@ -82,7 +78,6 @@ TEST_CASE("A random effect on body or elastomer is named or tied, from accelerat
 }
 
 TEST_CASE("A force that no law describes is unexplained, at its axis", "[diagnose]") {
-    if (test::isTooSlow()) return;
     test::drawUntilClear([](std::uint64_t seed) -> std::string {
         auto hidden = draw("none", seed);
         for (std::uint64_t next = seed + 1; hidden.displacement_noise == 0; ++next) hidden = draw("none", next);
@@ -102,8 +97,8 @@ TEST_CASE("A force that no law describes is unexplained, at its axis", "[diagnos
 
 TEST_CASE("Another simulator's hidden effects are found", "[diagnose]") {
     const char* folder = std::getenv("WEMS_EXAMPLES");
-    if (folder == nullptr || test::kSanitized) {
-        WARN("skipped: " << (test::kSanitized ? "too slow with sanitizers" : "WEMS_EXAMPLES is not set"));
+    if (folder == nullptr) {
+        WARN("skipped: WEMS_EXAMPLES is not set");
         return;
     }
     const auto diagnoseExample = [&](const std::string& name) {

@@ -8,7 +8,6 @@
 
 #include "models/error.hpp"
 #include "tests/plan/plan_case.hpp"
-#include "tests/sanitized.hpp"
 
 namespace wems::identify {
 namespace {
@@ -44,7 +43,6 @@ double readNumber(const char* variable, double otherwise) {
 }  // namespace
 
 TEST_CASE("The best proposal separates what it says, with intervals about as wide, within its limits") {
-    if (test::kSanitized) return;   // the same code as in the other cases, at length
     const std::uint64_t seed = 21;  // one case of the campaign
     CAPTURE(seed);
     const Tried tried = tryCase(seed);

@@ -4,7 +4,6 @@
 
 #include "identify/updating/test_problem.hpp"
 #include "tests/diagnose/hidden_device.hpp"
-#include "tests/diagnose/too_slow.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;
@@ -15,7 +14,6 @@ using namespace wems::identify::updating;
 // without what the columns' noise adds to it. That is known in the mean; a draw of it is off by up to half of what one
 // standard deviation of the number changes, and by its bursts in contact.
 TEST_CASE("The quadratic of an information is the misfit about its state", "[linearised run]") {
-    if (test::isTooSlow()) return;
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
@@ -59,7 +57,6 @@ TEST_CASE("The quadratic of an information is the misfit about its state", "[lin
 // A common factor on all forces of the mount makes the residual itself its column: what the noise adds to its product
 // with the residual is then the residual's square, and to its own square the number of values, whatever the spectra.
 TEST_CASE("A factor on all forces is known by nothing but noise", "[linearised run]") {
-    if (test::isTooSlow()) return;
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
@@ -93,7 +90,6 @@ TEST_CASE("A factor on all forces is known by nothing but noise", "[linearised r
 // deviations as the two slopes differ. Half of one is a quarter of a unit of chi-squared. A mode at the end of the
 // sweep has its largest response where the window falls.
 TEST_CASE("Columns have the slope of the misfit, with a mode at the end of the sweep", "[linearised run]") {
-    if (test::isTooSlow()) return;
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);

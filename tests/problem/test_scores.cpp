@@ -7,7 +7,6 @@
 
 #include "identify/updating/test_problem.hpp"
 #include "tests/diagnose/hidden_device.hpp"
-#include "tests/diagnose/too_slow.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;
@@ -41,7 +40,6 @@ Eigen::VectorXd calcScores(const BlockInformation& block, Eigen::Index rows) {
 // mean of many draws of the noise is wrong in the equations. The mean of six lies within five standard deviations but
 // for once in 2000 seeds. Second derivatives that were wrong by 3e-4 showed means up to 13 here.
 TEST_CASE("At the truth nothing but noise moves any number", "[scores]") {
-    if (test::isTooSlow()) return;
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
