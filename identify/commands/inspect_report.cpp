@@ -89,7 +89,8 @@ std::vector<std::string> makeSentences(const Inspection& inspection, const Recor
         if (!found) lines.push_back("Note: " + warning);
     }
     for (const auto& note : inspection.notes) lines.push_back("Note: " + note);
-    if (inspection.findings.empty()) lines.emplace_back("Nothing suspicious.");
+    if (inspection.findings.empty() && inspection.quality.quality == Quality::good)
+        lines.emplace_back("Nothing suspicious.");
     for (const Finding& finding : inspection.findings) lines.push_back("Suspicious: " + finding.message);
     for (const auto& ability : inspection.abilities) lines.push_back("Identification: " + ability);
     return lines;

@@ -25,18 +25,27 @@ html_static_path = ["static"]
 CONTENTS = {
     "User guide": [
         "identify/TUTORIAL",
+        "scripts/manual_pages/own_mount",
+        "scripts/manual_pages/shaker_table",
+        "scripts/manual_pages/sensors",
+        "scripts/manual_pages/symptoms",
     ],
     "Method": [
         "identify/README",
         "scripts/manual_pages/laws",
         "identify/diagnose/README",
         "identify/component/README",
+        "scripts/manual_pages/comparison",
     ],
     "Reference": [
         "scripts/manual_pages/commands",
         "models/README",
         "models/recording/README",
         "plugin/README",
+        "scripts/manual_pages/names",
+        "scripts/manual_pages/result_files",
+        "scripts/manual_pages/units",
+        "scripts/manual_pages/glossary",
     ],
     "Validation": [
         "identify/VALIDATION",

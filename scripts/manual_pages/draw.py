@@ -4,7 +4,7 @@
     draw.py --work FOLDER --programs simulate=PATH identify=PATH [NAME …]
 
 Models and curves come from the shipped files and from runs of the programs, which FOLDER keeps. Without NAME all of
-those in FIGURES are drawn.
+all are drawn.
 """
 import argparse
 import importlib
@@ -15,7 +15,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 SOURCE = HERE.parents[1]
 sys.path.insert(0, str(HERE / "drawing"))
-FIGURES = ("device", "loop", "laws", "decision", "result", "reports")
+FIGURES = ("device", "loop", "laws", "decision", "result")
 
 
 class Work:
@@ -37,7 +37,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--work", type=Path, required=True)
     parser.add_argument("--programs", nargs=2, required=True)
-    parser.add_argument("names", nargs="*", choices=[*FIGURES, []], metavar="NAME")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="one of " + ", ".join(FIGURES))
     arguments = parser.parse_args()
     work = Work(arguments.work, dict(program.split("=", 1) for program in arguments.programs))
     folder = HERE / "figures"
