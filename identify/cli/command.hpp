@@ -53,6 +53,8 @@ void failOn(const std::vector<std::string>& verdicts, const std::string& verdict
 /// failed.
 void addRigidityCommand(CLI::App& app, int& exit_status);
 void addFitCommand(CLI::App& app, int& exit_status);
+void addEquationsCommand(CLI::App& app, int& exit_status);
+void addJoinCommand(CLI::App& app, int& exit_status);
 void addSurfaceCommand(CLI::App& app, int& exit_status);
 void addSpectraCommand(CLI::App& app, int& exit_status);
 void addCompareCommand(CLI::App& app, int& exit_status);

@@ -30,6 +30,8 @@ int runIdentify(int argc, char** argv) {
     addSpectraCommand(app, exit_status);
     addRigidityCommand(app, exit_status);
     addFitCommand(app, exit_status);
+    addEquationsCommand(app, exit_status);
+    addJoinCommand(app, exit_status);
     addDiagnoseCommand(app, exit_status);
     addPlanCommand(app, exit_status);
     addCompareCommand(app, exit_status);

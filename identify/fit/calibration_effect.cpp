@@ -92,13 +92,13 @@ private:
     Eigen::VectorXd damping_;
 };
 
-bool hasScatter(const RunMotion& run) {
+}  // namespace
+
+bool hasGainScatter(const RunMotion& run) {
     return run.mobile.displacement_calibration.gain_scatter > 0 ||
            run.mobile.acceleration_calibration.gain_scatter > 0 ||
            run.fixed.displacement_calibration.gain_scatter > 0 || run.fixed.acceleration_calibration.gain_scatter > 0;
 }
-
-}  // namespace
 
 CalibrationEffect calcCalibrationEffect(const Solver& solver, const LinearSystem& system) {
     CalibrationEffect effect;
@@ -106,7 +106,7 @@ CalibrationEffect calcCalibrationEffect(const Solver& solver, const LinearSystem
     const NormalEquations& equations = solver.equations();
     for (std::size_t r = 0; r < solver.runCount(); ++r) {
         const RunMotion& motion = solver.motions()[r];
-        if (!hasScatter(motion)) continue;
+        if (!hasGainScatter(motion)) continue;
         const RunResponse response(motion, solver.model(), equations.runs()[r]);
         const RowMatrix sensitivity = solver.calcSensitivity(r, system);
         const auto addChannels = [&](const Calibration& calibration, const auto& calcResponse) {

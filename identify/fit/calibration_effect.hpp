@@ -19,6 +19,10 @@ struct CalibrationEffect {
     Eigen::MatrixXd influences;
     double residual_squares = 0;  ///< sum of squares of the whitened residual that the scatter leaves on average
 };
+
+/// Whether the rigid fit of any channels of the run shows scatter of their gains: then the effect needs its motion.
+bool hasGainScatter(const RunMotion& run);
+
 CalibrationEffect calcCalibrationEffect(const Solver& solver, const LinearSystem& system);
 
 }  // namespace wems::identify

@@ -120,10 +120,20 @@ FitResult fitMount(const std::vector<RunMotion>& measured, const MountModel& mod
         watch.lap("slow motion");
     }
     const std::vector<RunMotion>& runs = recovered.empty() ? measured : recovered;
-    const std::vector<Parameter> parameters = makeParameters(model, options.free_body);
-    NormalEquations normal_equations(makeAllEquations(runs, model, options));
+    std::vector<RunEquations> equations = makeAllEquations(runs, model, options);
     watch.lap("equations of motion");
-    Solver solver(runs, normal_equations, parameters, model);
+    FitResult solved = solveEquations(runs, std::move(equations), model, options);
+    solved.notes.insert(solved.notes.begin(), result.notes.begin(), result.notes.end());
+    solved.timing.insert(solved.timing.begin(), result.timing.begin(), result.timing.end());
+    return solved;
+}
+
+FitResult solveEquations(const std::vector<RunMotion>& runs, std::vector<RunEquations> equations,
+                         const MountModel& model, const FitOptions& options) {
+    FitResult result;
+    Stopwatch watch(result.timing);
+    NormalEquations normal_equations(std::move(equations));
+    Solver solver(runs, normal_equations, makeParameters(model, options.free_body), model);
     solver.run();
     watch.lap("least squares");
     const ParameterUncertainty uncertainty = removeSpuriousStops(solver);

@@ -1,0 +1,173 @@
+// identify equations and identify join: one fit of many recordings, each worked on by a process of its own.
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "identify/cli/command.hpp"
+#include "identify/commands/fit_output.hpp"
+#include "identify/commands/fitted_model.hpp"
+#include "identify/commands/recordings.hpp"
+#include "identify/fit/stored_equations.hpp"
+#include "models/admissible_model.hpp"
+#include "models/command_line/usage.hpp"
+#include "models/progress.hpp"
+#include "models/recording/recording_reader.hpp"
+#include "models/report/html_report.hpp"
+
+namespace wems::identify::cli {
+namespace {
+
+constexpr const char* kFreeHelp =
+    "also identify body.center_of_gravity, body.inertia, or one component such as body.inertia.Ixx";
+
+struct EquationsOptions {
+    CommonOptions common;
+    FitOptions fit;
+    std::string recording, model, output, use = "all";
+};
+
+void runEquations(const EquationsOptions& options) {
+    OutputFiles outputs;
+    const MountModel model = readDeviceModel(options.model, options.common.geometry);
+    protectInputs({model.bracket_path}, options.output, options.common, outputs);
+    const std::optional<ColumnMap> map = readDeviceMap(options.common.column_map, model);
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
+    progress->step("reading " + options.recording);
+    std::vector<Recording> recordings{readRecording(options.recording, map ? &*map : nullptr)};
+    checkFitStart(model, options.model);
+    checkSampleRate(recordings, model);
+    checkDisplacements(recordings, model);
+    Recording& recording = recordings.front();
+    checkWhole(recording, model);
+    keepOnly(options.use, recording);
+    progress->step("motion of both parts", 0.3);
+    RunMotion motion = estimateMotion(recording, model);
+    motion.notes.insert(motion.notes.begin(), recording.warnings.begin(), recording.warnings.end());
+    progress->step("equations of motion", 0.6);
+    const StoredRun run = makeStoredRun(std::move(motion), model, options.fit);
+    writeStoredRun(run, model, options.fit, options.output, outputs);
+    progress.reset();
+    const int equations = 6 * run.equations.outputs;
+    if (!options.common.json_file.empty()) {
+        ResultRecord record = beginRecord("equations");
+        record.addInput("recording", options.recording);
+        record.addInput("model", options.model);
+        record.options = {{"free", options.fit.free_body}, {"use", options.use}};
+        nlohmann::json result{{"file", options.output},
+                              {"equations", equations},
+                              {"columns", run.equations.columns.cols()},
+                              {"notes", run.motion.notes}};
+        addRecord(result, record);
+        writeJson(result, options.common, outputs);
+    }
+    if (!options.common.report_file.empty()) {
+        HtmlReport page("Equations of motion: " + options.recording);
+        page.addList(run.motion.notes);
+        page.write(options.common.report_file, outputs);
+    }
+    if (options.common.printsText())
+        std::cout << options.output << ": " << equations << " equations with " << run.equations.columns.cols()
+                  << " columns\n";
+    finishOutput(outputs);
+}
+
+struct JoinOptions {
+    CommonOptions common;
+    FitOptions fit;
+    std::vector<std::string> files;
+    std::string model, output;
+};
+
+void runJoin(const JoinOptions& options) {
+    OutputFiles outputs;
+    const MountModel model = readDeviceModel(options.model, options.common.geometry);
+    protectInputs({model.bracket_path}, options.output, options.common, outputs);
+    checkFitStart(model, options.model);
+    std::optional<Progress> progress(std::in_place, !options.common.quiet);
+    std::vector<RunMotion> runs;
+    std::vector<RunEquations> equations;
+    std::vector<std::string> notes;
+    progress->step("reading equations");
+    for (const std::string& file : options.files) {
+        StoredRun run = readStoredRun(file, model, options.fit);
+        for (const std::string& note : run.motion.notes) notes.push_back(run.motion.file + ": " + note);
+        runs.push_back(std::move(run.motion));
+        equations.push_back(std::move(run.equations));
+    }
+    progress->step("parameters and intervals", 0.3);
+    const FitResult fit = solveEquations(runs, std::move(equations), model, options.fit);
+    notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
+    if (!options.output.empty()) {
+        MountModel fitted = fit.model;
+        for (std::string& note : makeAdmissible(model, fitted)) notes.push_back(std::move(note));
+        addFittedModel(fitted, options.output, outputs);
+    }
+    progress.reset();
+    const Table parameters = makeParameterTable(fit), open = makeOpenTable(fit);
+    if (!options.common.report_file.empty()) {
+        HtmlReport page("Identified mount: " + fit.model.name);
+        page.addLead(describeResidual(fit));
+        page.addTable(parameters.header(), parameters.rows());
+        if (!open.rows().empty()) page.addTable(open.header(), open.rows());
+        page.addList(notes);
+        page.write(options.common.report_file, outputs);
+    }
+    if (options.common.printsText()) {
+        std::cout << parameters.format(outputStyle());
+        if (!open.rows().empty()) std::cout << "\n" << open.format(outputStyle());
+        std::cout << "\n" << describeResidual(fit) << "\n";
+        for (const auto& note : notes) std::cout << "note: " << note << "\n";
+    }
+    if (!options.common.json_file.empty()) {
+        ResultRecord record = beginRecord("join");
+        for (const std::string& file : options.files) record.addInput("equations", file);
+        record.addInput("model", options.model);
+        record.options = {{"free", options.fit.free_body}};
+        nlohmann::json result = makeFitJson(fit, notes, {});
+        addRecord(result, record);
+        writeJson(result, options.common, outputs);
+    }
+    finishOutput(outputs);
+}
+
+}  // namespace
+
+void addEquationsCommand(CLI::App& app, int& /*exit_status*/) {
+    auto* command = app.add_subcommand("equations", "One run's equations for a fit of many, as a file for join");
+    const auto options = std::make_shared<EquationsOptions>();
+    addInputFile(*command, "recording", options->recording, std::string("recording (") + kReadableFormats + ")")
+        ->required();
+    addInputFile(*command, "--model", options->model, "mount model to start from (TOML)")->required();
+    addOutputFile(*command, "-o,--output", options->output, "the run's equations")->required();
+    command->add_option("--free", options->fit.free_body, kFreeHelp);
+    command
+        ->add_option("--use", options->use, "channels of both parts to use: all, displacements or accelerations alone")
+        ->check(CLI::IsMember({"all", "displacements", "accelerations"}));
+    addCommonOptions(*command, options->common);
+    addGeometryOption(*command, options->common);
+    command->footer(
+        "Example, each of the first two on a machine of its own:\n"
+        "  identify equations axial.csv --model believed.toml -o axial.equations\n"
+        "  identify equations oblique.csv --model believed.toml -o oblique.equations\n"
+        "  identify join axial.equations oblique.equations --model believed.toml -o fitted.toml");
+    command->callback([options] { runEquations(*options); });
+}
+
+void addJoinCommand(CLI::App& app, int& /*exit_status*/) {
+    auto* command = app.add_subcommand("join", "The fit of many runs from the equations of each");
+    const auto options = std::make_shared<JoinOptions>();
+    addInputFile(*command, "equations", options->files, "files that identify equations wrote with the same model")
+        ->required();
+    addInputFile(*command, "--model", options->model, "mount model to start from (TOML)")->required();
+    addOutputFile(*command, "-o,--output", options->output,
+                  "write the model with the identified values to FILE (TOML)");
+    command->add_option("--free", options->fit.free_body, kFreeHelp);
+    addResultOptions(*command, options->common);
+    addGeometryOption(*command, options->common);
+    command->footer(
+        "Example:\n"
+        "  identify join axial.equations oblique.equations --model believed.toml -o fitted.toml");
+    command->callback([options] { runJoin(*options); });
+}
+
+}  // namespace wems::identify::cli

@@ -1,0 +1,33 @@
+/// @file
+/// The equations of one run as a file, so that many runs can be worked on side by side and be solved together: runs
+/// add.
+///
+/// A file holds what solveEquations() asks of a run and nothing more: the columns of the equations, the samples in
+/// which a stop may be touched, noise levels, and the motion itself only where scatter of gains was noticed. Numbers
+/// are the processor's own, so that a fit of stored equations is the fit of the runs to the last bit. The format is of
+/// one version of the program and one kind of processor, not for keeping.
+#pragma once
+
+#include <string>
+
+#include "identify/fit/run_equations.hpp"
+#include "models/atomic_file.hpp"
+
+namespace wems::identify {
+
+struct StoredRun {
+    RunMotion motion;  ///< its samples are empty unless hasGainScatter()
+    RunEquations equations;
+};
+
+/// @throws InputError if the run is too short, or lacks its slow motion (accelerations alone), which follows from all
+///         runs together
+StoredRun makeStoredRun(RunMotion motion, const MountModel& model, const FitOptions& options);
+
+void writeStoredRun(const StoredRun& run, const MountModel& model, const FitOptions& options, const std::string& file,
+                    OutputFiles& outputs);
+
+/// @throws InputError if the file is none of these, is cut off, or was made with another model or other options
+StoredRun readStoredRun(const std::string& file, const MountModel& model, const FitOptions& options);
+
+}  // namespace wems::identify
