@@ -24,10 +24,9 @@ SampleTimes makeUniformTimes(double rate, double duration) {
     return SampleTimes::makeUniform(rate, static_cast<std::size_t>(count));
 }
 
-Excitation makeReplay(const SimulateOptions& options) {
-    std::optional<ColumnMap> map;
-    if (!options.column_map.empty()) map = readColumnMap(options.column_map);
-    const Recording recording = readRecording(options.replay_file, map ? &*map : nullptr);
+}  // namespace
+
+Excitation makeReplay(const Recording& recording, const SimulateOptions& options) {
     Excitation excitation;
     excitation.drive = makeReplayDrive(recording);
     excitation.time_offset = recording.time.front();
@@ -43,10 +42,12 @@ Excitation makeReplay(const SimulateOptions& options) {
     return excitation;
 }
 
-}  // namespace
-
 Excitation makeExcitation(const SimulateOptions& options) {
-    if (!options.replay_file.empty()) return makeReplay(options);
+    if (!options.replay_file.empty()) {
+        std::optional<ColumnMap> map;
+        if (!options.column_map.empty()) map = readColumnMap(options.column_map);
+        return makeReplay(readRecording(options.replay_file, map ? &*map : nullptr), options);
+    }
     NamedSignal named = options.kind->make(options.signal, options);
     Excitation excitation;
     const bool travel = !options.base_displacement.isZero();

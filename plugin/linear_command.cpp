@@ -48,11 +48,16 @@ void finishOutputs(const SimulateOptions& options, const nlohmann::json& result,
     outputs.commit();
 }
 
-void runLinearAnalysis(const SimulateOptions& options) {
+LinearQuestion makeQuestion(const SimulateOptions& options) {
     LinearQuestion question;
     question.direction = {options.force, options.base_acceleration};
     if (!options.band.empty()) question.band = parseBand(options.band, "--frf");
     if (options.kind != nullptr) question.spectrum = readLevelledSpectrum(options);
+    return question;
+}
+
+void runLinearAnalysis(const SimulateOptions& options) {
+    const LinearQuestion question = makeQuestion(options);
     const MountModel model = readMountModel(options.model_file);
     OutputFiles outputs = beginOutputs(options, model);
     const LinearAnalysis analysis = analyseLinearly(model, question);

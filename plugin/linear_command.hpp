@@ -8,9 +8,13 @@
 
 #include "models/atomic_file.hpp"
 #include "models/mount_model.hpp"
+#include "plugin/linear_analysis.hpp"
 #include "plugin/simulate_options.hpp"
 
 namespace wems::plugin {
+
+/// What the options ask of the linear model; reads a spectrum. @throws InputError
+LinearQuestion makeQuestion(const SimulateOptions& options);
 
 /// Reads model and spectrum, prints and writes what was asked for. @throws InputError
 void runLinearAnalysis(const SimulateOptions& options);

@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <optional>
 #include <tuple>
+#include <utility>
 
 #include "models/format_number.hpp"
 #include "models/progress.hpp"
@@ -52,30 +54,39 @@ std::vector<std::string> nameAxes(const MountModel& model) {
     return names;
 }
 
-void runResponseCurves(const SimulateOptions& options) {
-    const MountModel model = readMountModel(options.model_file);
+std::vector<LevelResponse> calcResponses(const MountModel& model, const SimulateOptions& options,
+                                         const ResponseProgress& progress) {
     validate(model);
-    OutputFiles outputs = beginOutputs(options, model);
     ResponseSettings settings;
     std::tie(settings.from, settings.to) = parseBand(options.response, "--response");
     settings.harmonics = options.harmonics;
     std::vector<LevelResponse> levels;
-    {
-        Progress progress(!options.quiet);
-        for (const Level& level : options.levels) {
-            const std::string name = describeLevel(options, level.value);
-            settings.progress = [&](double frequency, int points) {
-                if (!progress.due()) return;
-                const double share = (frequency - settings.from) / (settings.to - settings.from);
-                progress.show((static_cast<double>(levels.size()) + share) / static_cast<double>(options.levels.size()),
-                              name + ", " + formatNumber(frequency, 4) + " Hz, " + std::to_string(points) + " points");
-            };
-            const bool force = !options.force.isZero();
-            const Eigen::Vector3d none = Eigen::Vector3d::Zero();
-            levels.push_back(
-                {name, calcResponseCurve(model, {force ? level.value : none, force ? none : level.value}, settings)});
-        }
+    for (const Level& level : options.levels) {
+        const std::string name = describeLevel(options, level.value);
+        settings.progress = [&](double frequency, int points) {
+            const double share = (frequency - settings.from) / (settings.to - settings.from);
+            progress((static_cast<double>(levels.size()) + share) / static_cast<double>(options.levels.size()), name,
+                     frequency, points);
+        };
+        const bool force = !options.force.isZero();
+        const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+        levels.push_back(
+            {name, calcResponseCurve(model, {force ? level.value : none, force ? none : level.value}, settings)});
     }
+    return levels;
+}
+
+void runResponseCurves(const SimulateOptions& options) {
+    const MountModel model = readMountModel(options.model_file);
+    OutputFiles outputs = beginOutputs(options, model);
+    std::optional<Progress> progress(std::in_place, !options.quiet);
+    const auto levels =
+        calcResponses(model, options, [&](double done, const std::string& level, double frequency, int points) {
+            if (progress->due())
+                progress->show(
+                    done, level + ", " + formatNumber(frequency, 4) + " Hz, " + std::to_string(points) + " points");
+        });
+    progress.reset();
     if (!options.output_file.empty()) outputs.add(options.output_file, formatResponseCsv(model, levels));
     if (!options.report_file.empty()) writeResponseReport(model, levels, options.report_file, outputs);
     finishOutputs(options, makeResponseJson(model, levels), formatResponses(model, levels, styleOf(STDOUT_FILENO)),

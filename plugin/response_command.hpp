@@ -2,6 +2,7 @@
 /// `simulate --response`: response curves by continuation.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -17,6 +18,13 @@ struct LevelResponse {
     std::string level;  ///< `force z=200 N`
     ResponseCurve curve;
 };
+
+/// Told now and then: share of the whole done, level, frequency (Hz), points of the level's curve so far.
+using ResponseProgress = std::function<void(double done, const std::string& level, double frequency, int points)>;
+
+/// The curve of each level. @throws InputError
+std::vector<LevelResponse> calcResponses(const MountModel& model, const SimulateOptions& options,
+                                         const ResponseProgress& progress);
 
 /// Computes, prints and writes what was asked for. @throws InputError
 void runResponseCurves(const SimulateOptions& options);

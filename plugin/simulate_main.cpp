@@ -23,6 +23,7 @@
 #include "plugin/response_command.hpp"
 #include "plugin/run_estimate.hpp"
 #include "plugin/run_overview.hpp"
+#include "plugin/run_settings.hpp"
 #include "plugin/simulate_options.hpp"
 #include "plugin/simulation.hpp"
 #include "plugin/summary.hpp"
@@ -31,25 +32,6 @@ namespace {
 
 using namespace wems;
 using namespace wems::plugin;
-
-std::string simbodyVersion() {
-    int major = 0, minor = 0, build = 0;
-    SimTK_version_simbody(&major, &minor, &build);
-    return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(build);
-}
-
-std::string describeNoise(const SensorNoise& noise) {
-    std::string text;
-    const auto add = [&](const char* name, double level, const char* unit) {
-        if (level > 0) text += (text.empty() ? "" : ", ") + std::string(name) + " " + formatNumber(level) + " " + unit;
-    };
-    add("displacement", noise.displacement, "m");
-    add("velocity", noise.velocity, "m/s");
-    add("acceleration", noise.acceleration, "m/s^2");
-    add("load", noise.load, "N");
-    add("base", noise.base, "m/s^2");
-    return text.empty() ? "none" : text + " RMS";
-}
 
 bool participatesInBaseMotion(const MountModel& model) {
     for (const BracketMode& mode : model.bracket)
@@ -123,20 +105,6 @@ std::vector<std::string> listNotes(const SimulateOptions& options, const MountMo
     return notes;
 }
 
-Recording makeHeader(const SimulateOptions& options, const MountModel& model, const Excitation& excitation,
-                     const std::vector<SensorChannel>& channels) {
-    Recording header = makeRecordingHeader(channels);
-    header.metadata = {{"program", "wems simulate " WEMS_VERSION},
-                       {"simbody", simbodyVersion()},
-                       {"model", model.name + " (" + options.model_file + ")"},
-                       {"excitation", excitation.description},
-                       {"level", excitation.level},
-                       {"noise", describeNoise(options.noise)},
-                       {"seed", std::to_string(options.seed)},
-                       {"accuracy", formatNumber(options.accuracy)}};
-    return header;
-}
-
 std::unique_ptr<RecordingWriter> openOutput(const SimulateOptions& options, const MountModel& model,
                                             const Recording& header, const SampleTimes& times) {
     if (options.output_file.empty()) return nullptr;
@@ -158,17 +126,7 @@ void run(const SimulateOptions& options) {
     const SampleTimes& times = excitation.times;
     if (times.empty()) throw InputError({}, "the run has no sample", "a duration above the sample interval");
 
-    SimulationSettings settings;
-    settings.times = times;
-    settings.channels = options.channels;
-    settings.noise = options.noise;
-    settings.seed = options.seed;
-    settings.accuracy = options.accuracy;
-    // Reports are interpolated between steps, and where no stop is touched the error control sleeps.
-    constexpr double steps_per_period = 12;
-    if (options.replay_file.empty())
-        settings.longest_step =
-            std::fmin(settings.longest_step, 1 / (steps_per_period * excitation.drive->highestFrequency()));
+    SimulationSettings settings = makeSettings(options, excitation);
     const auto channels =
         makeSensorChannels(model, options.channels, excitation.drive->hasLoad(), excitation.drive->hasBase());
     std::optional<double> base_step;

@@ -204,7 +204,7 @@ void checkOptions(const SimulateOptions& options) {
 
 }  // namespace
 
-std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* argv, int& exit_status) {
+std::optional<SimulateOptions> readOptions(int argc, const char* const* argv) {
     SimulateOptions options;
     std::string force, base, travel, noise, channels;
     CLI::App app{"Simulate equipment on elastomer mounts with stops (Simbody) and record it."};
@@ -248,7 +248,6 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     addCompletionOption(app);
     app.set_version_flag("--version", "wems simulate " WEMS_VERSION);
     options.accuracy = 1e-6;
-    exit_status = 0;
     try {
         app.parse(argc, argv);
         options.force = takeLevel(force, "--force", Quantity::force, options);
@@ -270,12 +269,19 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
         std::cout << version.what() << "\n";
         return std::nullopt;
     } catch (const CLI::ParseError& error) {
-        std::cerr << "simulate: " << describeUsageError(app, error) << "\n";
+        throw InputError({}, describeUsageError(app, error));
+    }
+}
+
+std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* argv, int& exit_status) {
+    try {
+        exit_status = 0;
+        return readOptions(argc, argv);
     } catch (const InputError& error) {
         std::cerr << "simulate: " << error.what() << "\n";
+        exit_status = 2;
+        return std::nullopt;
     }
-    exit_status = 2;
-    return std::nullopt;
 }
 
 }  // namespace wems::plugin

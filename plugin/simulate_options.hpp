@@ -55,7 +55,11 @@ struct SimulateOptions {
     bool quiet = false;
 };
 
-/// Reads the command line. Prints help where asked for.
+/// Reads the command line. Prints help where asked for, and then returns nothing.
+/// @throws InputError: what cannot be used, and which help lists what is accepted
+std::optional<SimulateOptions> readOptions(int argc, const char* const* argv);
+
+/// The same for an executable.
 /// @return options, or nullopt with `exit_status` if there is nothing to do: 0 after help, 2 after a usage error, which
 /// is printed on one line of standard error.
 std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* argv, int& exit_status);
@@ -70,5 +74,7 @@ struct Excitation {
 };
 /// @throws InputError on values out of range or a recording that cannot be replayed.
 Excitation makeExcitation(const SimulateOptions& options);
+/// The load and base motion of a recording, cut and sampled as the options say. @throws InputError if it has neither
+Excitation makeReplay(const Recording& recording, const SimulateOptions& options);
 
 }  // namespace wems::plugin

@@ -10,7 +10,8 @@ build_packages="ca-certificates g++ cmake ninja-build ccache libeigen3-dev libsi
   nlohmann-json3-dev libcli11-dev libboost-math-dev libfftw3-dev libmatio-dev zlib1g-dev libhdf5-dev libssl-dev libjs-dygraphs libjs-three python3"
 test_packages="xz-utils catch2 clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev
   chromium chromium-driver python3-selenium help2man snakemake python3-h5py python3-jsonschema
-  python3-sphinx python3-myst-parser furo python3-matplotlib"
+  python3-sphinx python3-myst-parser furo python3-matplotlib
+  pybind11-dev python3-dev python3-pytest python3-numpy python3-pandas python3-xarray"
 
 # Many sources at once, which saves Eigen from being read and compiled anew for each; for work on single files leave it out.
 joined="-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16"
