@@ -41,6 +41,7 @@ CONTENTS = {
         "scripts/manual_pages/commands",
         "models/README",
         "models/recording/README",
+        "identify/python/README",
         "plugin/README",
         "scripts/manual_pages/names",
         "scripts/manual_pages/result_files",
