@@ -8,7 +8,6 @@
 #include "identify/problem/smoothing_kernel.hpp"
 #include "models/axis_names.hpp"
 #include "models/bryant.hpp"
-#include "models/pi.hpp"
 
 namespace wems::identify {
 namespace {
@@ -18,9 +17,6 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 constexpr double kAccelerationPass = 55.0, kAccelerationStop = 110.0, kAccelerationRate = 400.0;  // Hz
 constexpr double kLeastTriaxShare = 0.5;  // of what exceeds the noise
 constexpr double kAttenuation = 0.2;      // how well the noise of the predictions is known
-// rad, standard deviation of a triax' rotation before it is measured. Where the part moves along one axis alone,
-// nothing tells how far a triax is turned about it: it then stays where it was.
-constexpr double kTurned = 1.0;
 
 /// Sums over the samples of one triax: predicted accelerations and their rates z (6), misfit d (3).
 struct TriaxMoments {
@@ -115,11 +111,6 @@ std::vector<TriaxHypothesis> listHypotheses(const std::string& triad) {
     for (int a = 0; a < 3; ++a) all(a, 3 + a) = -1;
     list.push_back({"sensor_delay", triad + ".a", {all}});
     return list;
-}
-
-/// By more than calibration leaves, and by less than half a turn: beyond it every direction has a nearer name.
-bool isTurned(const Eigen::VectorXd& rotation) {
-    return rotation.norm() > kLeastRotation && rotation.norm() < kPi;
 }
 
 void testTriax(const TriaxMoments& moments, const std::string& triad, double gain_scatter,

@@ -173,6 +173,7 @@ public:
             }
         }
         normal.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff() + 1e-300;
+        if (hypothesis.cause == "sensor_misalignment") normal.diagonal().array() += 1 / (kTurned * kTurned);
         const Eigen::MatrixXd inverse = normal.inverse();
         values = inverse * right;
         errors = inverse.diagonal().cwiseAbs().cwiseSqrt();
@@ -195,7 +196,7 @@ private:
 bool isFault(const ChannelHypothesis& hypothesis, const Eigen::VectorXd& values, double gain_scatter) {
     if (hypothesis.cause == "sensor_gain") return std::abs(values[0]) > kScatters * gain_scatter;
     if (hypothesis.cause == "sensor_delay") return std::abs(values[0]) > kLeastDelay;
-    return values.norm() > kLeastRotation;
+    return isTurned(values);
 }
 
 void addTo(ChannelFault& fault, const Eigen::VectorXd& values, const Eigen::VectorXd& errors) {
