@@ -128,7 +128,7 @@ Answer calcModes(const std::shared_ptr<MountModel>& given, const std::vector<std
     return {makeAnalysisJson(*analysis).dump(), formatAnalysis(*analysis, TextStyle::plain),
             [analysis](const std::string& file) {
                 OutputFiles outputs;
-                writeAnalysisReport(*analysis, file, outputs);
+                writeAnalysisReport(*analysis, {}, file, outputs);  // a model in memory has no drawing
                 outputs.commit();
             }};
 }
