@@ -107,7 +107,13 @@ class Runner:
             squeezed = "".join(consumer.split())
             strange = [line for line in block.body if "".join(line.split("  #")[0].split()) not in squeezed]
             return (f"not in tests/consumer: {strange}", False) if strange else ("as in tests/consumer", True)
-        return f"a block of language '{block.language}' is not checked: sh, text, usage, toml, cpp, cmake are", False
+        if block.language == "python":
+            try:
+                compile(body, "block", "exec")
+            except SyntaxError as error:
+                return f"is no Python: {error}", False
+            return "Python", True
+        return f"a block of language '{block.language}' is not checked: sh, text, usage, toml, python, cpp, cmake are", False
 
 
 def main():
