@@ -139,7 +139,8 @@ TEST_CASE("a sweep by a profile: the base moves as its rows say, in a notch less
     CHECK(largest(16, 24) == Approx(g).epsilon(0.03));
     CHECK(largest(26, 34) == Approx(0.2 * g).epsilon(0.03));
     CHECK(largest(37, 59) == Approx(g).epsilon(0.03));
-    CHECK_THAT(recording.metadata.at("excitation"), Catch::Contains("level changes at 11.15, 25, 35 Hz"));
+    // 2 mm and 1 g meet at sqrt(g / 2 mm) / 2π = 11.1446 Hz.
+    CHECK_THAT(recording.metadata.at("excitation"), Catch::Contains("level changes at 11.14, 25, 35 Hz"));
 
     auto half = arguments;
     half[6] = "z=0.5";
