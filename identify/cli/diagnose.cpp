@@ -9,8 +9,10 @@
 #include "identify/cli/diagnosis_report.hpp"
 #include "identify/cli/fitted_model.hpp"
 #include "identify/cli/recordings.hpp"
+#include "identify/component/component_diagnosis.hpp"
 #include "identify/diagnose/diagnosis.hpp"
 #include "models/command_line/usage.hpp"
+#include "models/error.hpp"
 #include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 
@@ -61,6 +63,28 @@ private:
     bool known_ = true;
 };
 
+/// Of component tests; nothing if the first recording is of a device.
+std::optional<Diagnosis> diagnoseElement(const DiagnoseArguments& arguments, const MountModel& model) {
+    const auto map = readDeviceMap(arguments.common.column_map, model);
+    std::vector<Recording> groups[2];
+    for (int g = 0; g < 2; ++g)
+        for (const std::string& file : g == 0 ? arguments.runs.recordings : arguments.runs.validation) {
+            Recording recording = readRecording(file, map ? &*map : nullptr);
+            if (!isComponentTest(recording)) {
+                if (groups[0].empty()) return std::nullopt;
+                throw InputError({file, 0, ""}, "a component test and a recording of a whole device",
+                                 "recordings of one kind");
+            }
+            groups[g].push_back(std::move(recording));
+        }
+    if (!arguments.common.report_file.empty())
+        throw InputError({"", 0, "--report"}, "shows devices, and these are component tests",
+                         "identify surface --report");
+    ComponentOptions options;
+    options.time_known = !map || map->has_time || map->sample_interval != 1;
+    return diagnoseComponent(groups[0], groups[1], model, options);
+}
+
 void runDiagnose(DiagnoseArguments arguments) {
     OutputFiles outputs;
     resolveRuns(arguments.runs, arguments.common);
@@ -72,6 +96,18 @@ void runDiagnose(DiagnoseArguments arguments) {
                 std::cerr << "identify: " << judge << " is fitted to and judges too, which flatters every cause\n";
     std::optional<Progress> progress(std::in_place, !arguments.common.quiet);
     progress->step("reading");
+    if (std::optional<Diagnosis> element = diagnoseElement(arguments, model)) {
+        progress.reset();
+        std::vector<std::string> limited;
+        if (!arguments.output.empty()) addFittedModel(model, element->extended, arguments.output, limited, outputs);
+        writeJson(makeDiagnosisJson(*element), arguments.common, outputs);
+        if (arguments.common.printsText()) {
+            std::cout << formatDiagnosis(*element, outputStyle());
+            for (const auto& note : limited) std::cout << "note: " << note << "\n";
+        }
+        finishOutput(outputs);
+        return;
+    }
     const auto identification = readDeviceRecordings(arguments.runs.recordings, arguments.common.column_map, model);
     const auto validation = readDeviceRecordings(arguments.runs.validation, arguments.common.column_map, model);
     checkFitStart(model, arguments.runs.model);

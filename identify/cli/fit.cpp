@@ -12,6 +12,7 @@
 #include "identify/cli/fit_output.hpp"
 #include "identify/cli/fit_report.hpp"
 #include "identify/cli/fitted_model.hpp"
+#include "identify/cli/found_law.hpp"
 #include "identify/cli/long_recordings.hpp"
 #include "identify/cli/recordings.hpp"
 #include "identify/fit/stopwatch.hpp"
@@ -23,6 +24,7 @@
 #include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
+#include "models/sampled_motion.hpp"
 
 namespace wems::identify::cli {
 namespace {
@@ -40,6 +42,7 @@ struct FitCommandOptions {
     std::string axis;
     double mass = 0, from = 0, to = 0;
     bool timing = false;
+    std::string law = "model";  ///< shape of an element's law: the model's, or what its tests show
 };
 
 DeviceRuns estimateRuns(const FitCommandOptions& options, const MountModel& model, std::vector<Recording>& recordings,
@@ -123,6 +126,29 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, const 
     writeJson(result, options.common, outputs);
 }
 
+AxisLaw& findLaw(ComponentFit& fit) {
+    Connection* connection = fit.fitted.connections.data();
+    for (Connection& candidate : fit.fitted.connections)
+        if (candidate.name == fit.connection) connection = &candidate;
+    return connection->axis.at(static_cast<std::size_t>(fit.axis));
+}
+
+/// The law that the tests show in place of the model's.
+void adoptLaw(const LawFit& found, ComponentFit& fit) {
+    findLaw(fit) = found.law;
+    fit.parameters = found.parameters;
+    fit.not_identifiable.clear();
+    fit.residual_rms *= fit.residual_fraction > 0 ? found.fraction / fit.residual_fraction : 1;
+    fit.residual_fraction = found.fraction;
+    fit.force_offset = found.force_offset;
+    fit.effective_samples = found.effective_samples;
+    fit.notes.push_back("the law is what the tests show, not the model's: " + found.terms.name());
+}
+
+double calcElementError(ComponentFit& fit, const ComponentData& test) {
+    return calcLawError(findLaw(fit), fit.force_offset, test);
+}
+
 /// Force over displacement, as measured and as the fitted law has it along the measured motion.
 Plot plotElement(const ComponentData& data, const ComponentFit& fit) {
     const Eigen::VectorXd q = 1e3 * data.q;
@@ -134,8 +160,8 @@ Plot plotElement(const ComponentData& data, const ComponentFit& fit) {
     plot.series.push_back({"measured", {q.begin(), q.end()}, {data.force.begin(), data.force.end()}});
     if (law.law().friction && !data.has_velocity) return plot;  // its direction is not in the data
     Series fitted{"fitted", {q.begin(), q.end()}, {}};
-    for (Eigen::Index k = 0; k < data.count(); ++k)
-        fitted.y.push_back(law.calcForce(data.q[k], data.velocity[k], data.time[k], nullptr) + fit.force_offset);
+    for (const double f : calcForceAlong(law.law(), data.time, data.q, data.velocity))
+        fitted.y.push_back(f + fit.force_offset);
     plot.series.push_back(std::move(fitted));
     return plot;
 }
@@ -143,6 +169,27 @@ Plot plotElement(const ComponentData& data, const ComponentFit& fit) {
 void fitElement(const FitCommandOptions& options, const MountModel& model, const std::vector<Recording>& recordings,
                 OutputFiles& outputs) {
     ComponentFit fit = fitComponent(recordings, model, options.component);
+    std::vector<ComponentData> tests;
+    for (const Recording& recording : recordings)
+        tests.push_back(extractComponent(recording, completeOptions(recording, model, options.component)));
+    std::optional<LawSelection> found;
+    // A law that leaves more than a tenth of the force lacks something (fit/law_verdict.hpp).
+    if (options.law == "found" || fit.residual_fraction >= 0.1) found = selectLaw(tests, {});
+    if (found && options.law == "found")
+        adoptLaw(found->law(), fit);
+    else if (found && found->law().fraction < 0.9 * fit.residual_fraction)
+        fit.notes.push_back("the model's law leaves " + formatPercent(fit.residual_fraction) +
+                            " of the force, a law with " + found->law().terms.name() + " " +
+                            formatPercent(found->law().fraction) + ": --law found fits and writes that one");
+    std::vector<ComponentData> judges;
+    const auto map = readOptionalMap(options.common.column_map);
+    for (const std::string& file : options.runs.validation) {
+        const Recording recording = readRecording(file, map ? &*map : nullptr);
+        judges.push_back(extractComponent(recording, completeOptions(recording, model, options.component)));
+    }
+    for (const ComponentData& judge : judges)
+        fit.notes.push_back("validation: " + judge.file + ": root relative squared error " +
+                            formatPercent(calcElementError(fit, judge)));
     for (const Recording& recording : recordings)
         for (const auto& warning : recording.warnings) fit.notes.push_back(recording.file + ": " + warning);
     if (!options.output.empty()) addFittedModel(model, fit.fitted, options.output, fit.notes, outputs);
@@ -243,6 +290,13 @@ void addFitCommand(CLI::App& app, int& /*exit_status*/) {
         ->group(element);
     command->add_option("--mass", options->mass, "kg; the force is then mass x acceleration of the mobile end")
         ->check(isPositive())
+        ->group(element);
+    command
+        ->add_option("--law", options->law,
+                     "shape of the law: that of the model, or the one that the tests show (found)")
+        ->check(CLI::IsMember({"model", "found"}))
+        ->group(element);
+    addInputFile(*command, "--validate", options->runs.validation, "component tests that judge the fitted law")
         ->group(element);
     command->add_option("--from", options->from, "s, start of the window")->group(element);
     command->add_option("--to", options->to, "s, end of the window")->group(element);

@@ -21,7 +21,7 @@ struct SurfaceCandidate {
 
 struct SurfaceKind {
     /// linear; hardening; softening; piecewise linear, stiffening; piecewise linear, softening; clearance; friction;
-    /// friction with gap at reversals; hysteresis
+    /// friction with gap at reversals; hysteresis; of nameByMemory() also viscoelastic, unexplained
     std::string name;
     std::string statement;                       ///< one sentence that says what was seen
     std::vector<ComponentParameter> parameters;  ///< of the kind that was named
