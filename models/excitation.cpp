@@ -120,6 +120,39 @@ private:
     double pulse_;
 };
 
+/// Straight lines between corners of a pulse (shares of its length), then rest. A jump is two corners at one place.
+class LinearPulse : public FadedSignal {
+public:
+    struct Corner {
+        double place, value;
+    };
+    LinearPulse(std::vector<Corner> corners, double pulse, double rest)
+        : FadedSignal(pulse + rest, {}), corners_(std::move(corners)), pulse_(pulse) {}
+    double phase(double) const override { return 0; }
+    double frequency(double t) const override { return t <= pulse_ ? 0.5 / pulse_ : 0.0; }
+    double highestFrequency() const override { return 0.5 / pulse_; }
+    std::vector<double> kinks() const override {
+        std::vector<double> times;
+        for (const Corner& corner : corners_)
+            if (corner.place > 0) times.push_back(corner.place * pulse_);
+        return times;
+    }
+
+protected:
+    double unfadedValue(double t) const override {
+        const double place = t / pulse_;
+        for (std::size_t i = 1; i < corners_.size(); ++i) {
+            const Corner &a = corners_[i - 1], &b = corners_[i];
+            if (place < b.place) return a.value + (b.value - a.value) * (place - a.place) / (b.place - a.place);
+        }
+        return 0;
+    }
+
+private:
+    std::vector<Corner> corners_;
+    double pulse_;
+};
+
 /// Sines of equal amplitude at multiples of 1/duration, so that they are orthogonal over the duration and the RMS is
 /// exactly one. A wide band is thinned to one line in each of `most_lines` equal parts, chosen at random: Gaussian
 /// enough, not periodic within the duration, and cheap.
@@ -304,6 +337,20 @@ std::unique_ptr<Signal> makeHalfSine(double pulse, double rest) {
     requirePositive("half-sine", pulse, "s");
     requirePositive("rest", rest, "s");
     return std::make_unique<HalfSine>(pulse, rest);
+}
+
+std::unique_ptr<Signal> makeSawtooth(double pulse, double rest) {
+    requirePositive("sawtooth", pulse, "s");
+    requirePositive("rest", rest, "s");
+    return std::make_unique<LinearPulse>(std::vector<LinearPulse::Corner>{{0, 0}, {1, 1}}, pulse, rest);
+}
+
+std::unique_ptr<Signal> makeTrapezoid(double pulse, double rest) {
+    requirePositive("trapezoid", pulse, "s");
+    requirePositive("rest", rest, "s");
+    constexpr double ramp = 0.1;
+    return std::make_unique<LinearPulse>(std::vector<LinearPulse::Corner>{{0, 0}, {ramp, 1}, {1 - ramp, 1}, {1, 0}},
+                                         pulse, rest);
 }
 
 std::unique_ptr<Signal> makeBandLimitedRandom(double f0, double f1, double duration, std::uint64_t seed, Fade fade) {

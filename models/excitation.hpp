@@ -47,6 +47,10 @@ std::unique_ptr<Signal> makeLinearSweep(double f0, double f1, double hertz_per_s
 std::unique_ptr<Signal> makeDwell(double frequency, double duration, Fade fade = {});
 /// A shock: sin(π t / T) for T = `pulse` s, then nothing for `rest` s. Its frequency is that of the sine, 1/(2 T).
 std::unique_ptr<Signal> makeHalfSine(double pulse, double rest);
+/// A shock: a terminal-peak sawtooth, t/T for T = `pulse` s, then nothing for `rest` s. Frequency as of makeHalfSine().
+std::unique_ptr<Signal> makeSawtooth(double pulse, double rest);
+/// A shock: up within a tenth of `pulse` s, down within the last tenth, then nothing for `rest` s.
+std::unique_ptr<Signal> makeTrapezoid(double pulse, double rest);
 /// Stationary Gaussian noise in a band: a sum of sines with random phases from the seed, unit RMS; same seed, same
 /// signal.
 std::unique_ptr<Signal> makeBandLimitedRandom(double f0, double f1, double duration, std::uint64_t seed,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "models/axis_numbers.hpp"
+#include "models/device_drawing.hpp"
 #include "models/error.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/text_file.hpp"
@@ -194,6 +195,7 @@ void readRoot(TomlTable& root, const std::string& file, MountModel& model) {
     root.readTable("load", [&model](TomlTable& load) { readLoad(load, model); });
     root.readTables("sensor", [&model](TomlTable& sensor) { model.sensors.push_back(readSensor(sensor)); });
     readSensorTables(root, model.places);
+    root.readTables("drawing", [&](TomlTable& shape) { readShape(shape, file); });  // checked; reports read it
     model.tolerances = readTolerances(root);
     root.rejectUnknownKeys();
 }

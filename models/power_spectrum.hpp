@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "models/breakpoints.hpp"
 #include "models/units.hpp"
 
 namespace wems {
@@ -19,11 +20,11 @@ public:
     /// @throws InputError
     PowerSpectrum(std::vector<double> frequency, std::vector<double> density, Quantity quantity);
 
-    double lowest() const { return frequency_.front(); }  ///< Hz
-    double highest() const { return frequency_.back(); }  ///< Hz
-    Quantity quantity() const { return quantity_; }       ///< acceleration (m/s²)²/Hz or force N²/Hz
-    const std::vector<double>& frequency() const { return frequency_; }
-    const std::vector<double>& density() const { return density_; }
+    double lowest() const { return points_.frequency.front(); }  ///< Hz
+    double highest() const { return points_.frequency.back(); }  ///< Hz
+    Quantity quantity() const { return quantity_; }              ///< acceleration (m/s²)²/Hz or force N²/Hz
+    const std::vector<double>& frequency() const { return points_.frequency; }
+    const std::vector<double>& density() const { return points_.value; }
 
     /// unit²/Hz
     double calcValue(double frequency) const;
@@ -32,7 +33,7 @@ public:
     double calcRms() const;
 
 private:
-    std::vector<double> frequency_, density_;
+    Breakpoints points_;
     Quantity quantity_;
 };
 

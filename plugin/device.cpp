@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "models/bryant.hpp"
 #include "models/error.hpp"
 #include "models/guided_motion.hpp"
 #include "models/load_point.hpp"
@@ -75,6 +76,10 @@ DeviceMotion Device::calcMotion(const SimTK::State& state) const {
         motion.relative.push_back(calcRelativeMotion(mobile, fixed, r));
     }
     motion.force = force_.calcConnectionForces(state);
+    motion.mobile_pose << base.displacement + mobile.p_GM - rest_.mobile.p_GM,
+        vectorFromRotation(mobile.R_GM * rest_.mobile.R_GM.transpose());
+    motion.fixed_pose << base.displacement + fixed.p_GF - rest_fixed_.p_GF,
+        vectorFromRotation(fixed.R_GF * rest_fixed_.R_GF.transpose());
     return motion;
 }
 

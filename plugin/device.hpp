@@ -28,6 +28,8 @@ struct DeviceMotion {
     Eigen::Matrix3Xd force;                  ///< N, of each connection, F axes, sign of the relative displacement
     Eigen::Vector3d load;                    ///< N, as commanded or recorded (the model's load correction not applied)
     Eigen::Vector3d base;                    ///< m/s²
+    /// Origin (m) and rotation vector (rad) of both frames in ground axes, from rest.
+    Eigen::Matrix<double, 6, 1> mobile_pose, fixed_pose;
 };
 
 /// Mobilizer coordinates are q = (α, β, γ, x, y, z): Bryant angles of M and position of its origin in ground axes.

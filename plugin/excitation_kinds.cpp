@@ -6,6 +6,8 @@
 
 #include "models/error.hpp"
 #include "models/format_number.hpp"
+#include "models/shock_synthesis.hpp"
+#include "models/sweep_profile.hpp"
 #include "plugin/simulate_options.hpp"
 
 namespace wems::plugin {
@@ -28,6 +30,8 @@ std::vector<double> parseColons(const std::string& text, std::size_t count, cons
     return numbers;
 }
 
+constexpr double kUsualRate = 4;  // octaves per minute
+
 Fade fadeOf(const SimulateOptions& options) {
     return {options.fade, options.fade};
 }
@@ -38,7 +42,7 @@ NamedSignal makeSweep(const std::string& value, const SimulateOptions& options) 
     if (options.hertz_per_second)
         return {makeLinearSweep(f[0], f[1], *options.hertz_per_second, fadeOf(options)), true,
                 range + formatNumber(*options.hertz_per_second) + " Hz per second"};
-    const double rate = options.octaves_per_minute.value_or(4);
+    const double rate = options.octaves_per_minute.value_or(kUsualRate);
     return {makeLogarithmicSweep(f[0], f[1], rate, fadeOf(options)), true,
             range + formatNumber(rate) + " octaves per minute"};
 }
@@ -49,12 +53,71 @@ NamedSignal makeDwellSignal(const std::string& value, const SimulateOptions& opt
             "dwell at " + formatNumber(f[0]) + " Hz, " + formatNumber(f[1]) + " s"};
 }
 
-NamedSignal makeHalfSineSignal(const std::string& value, const SimulateOptions& options) {
-    const auto times = parseColons(value, 2, "--half-sine", "durations of pulse and rest in s, such as 0.011:1");
+using MakePulse = std::unique_ptr<Signal> (*)(double pulse, double rest);
+
+NamedSignal makePulse(const std::string& value, const SimulateOptions& options, const std::string& option,
+                      const std::string& name, MakePulse make) {
+    const auto times = parseColons(value, 2, option, "durations of pulse and rest in s, such as 0.011:1");
     if (options.fade > 0)
-        throw InputError({"", 0, "--fade"}, "does not go with --half-sine", "an excitation that is no pulse");
-    return {makeHalfSine(times[0], times[1]), false,
-            "half sine of " + formatNumber(times[0]) + " s, then " + formatNumber(times[1]) + " s of rest"};
+        throw InputError({"", 0, "--fade"}, "does not go with " + option, "an excitation that is no pulse");
+    return {make(times[0], times[1]), false,
+            name + " of " + formatNumber(times[0]) + " s, then " + formatNumber(times[1]) + " s of rest"};
+}
+
+NamedSignal makeHalfSineSignal(const std::string& value, const SimulateOptions& options) {
+    return makePulse(value, options, "--half-sine", "half sine", makeHalfSine);
+}
+NamedSignal makeSawtoothSignal(const std::string& value, const SimulateOptions& options) {
+    return makePulse(value, options, "--sawtooth", "sawtooth", makeSawtooth);
+}
+NamedSignal makeTrapezoidSignal(const std::string& value, const SimulateOptions& options) {
+    return makePulse(value, options, "--trapezoid", "trapezoid", makeTrapezoid);
+}
+
+/// What a file prescribes may be scaled by a factor, not given another level.
+void refuseUnit(const SimulateOptions& options, const std::string& option) {
+    if (options.level_has_unit)
+        throw InputError({"", 0, "level"}, "has a unit, but " + option + " says the level itself",
+                         "an axis, or a factor such as z=0.5");
+}
+
+NamedSignal makeProfile(const std::string& value, const SimulateOptions& options) {
+    const SweepProfile profile = readSweepProfile(value);
+    refuseUnit(options, "--profile");
+    const bool force = !options.force.isZero();
+    if (force != profile.isForce())
+        throw InputError({value, 0, "profile"}, force ? "is of a motion" : "is of a force",
+                         force ? "levels in N for --force" : "levels in mm, mm/s or g for --base-acceleration");
+    double from = profile.lowest(), to = profile.highest();
+    if (options.downwards) std::swap(from, to);
+    std::shared_ptr<const Signal> sweep;
+    std::string rate;
+    if (options.hertz_per_second) {
+        sweep = makeLinearSweep(from, to, *options.hertz_per_second);
+        rate = formatNumber(*options.hertz_per_second) + " Hz per second";
+    } else {
+        const double octaves = options.octaves_per_minute.value_or(kUsualRate);
+        sweep = makeLogarithmicSweep(from, to, octaves);
+        rate = formatNumber(octaves) + " octaves per minute";
+    }
+    std::string changes;
+    for (const double f : profile.findChanges()) changes += (changes.empty() ? "" : ", ") + formatNumber(f, 4);
+    return {makeProfiledSweep(sweep, profile, fadeOf(options)), true,
+            "sine sweep " + formatNumber(from) + " to " + formatNumber(to) + " Hz by the profile of " + value + ", " +
+                rate + (changes.empty() ? "" : ", level changes at " + changes + " Hz")};
+}
+
+NamedSignal makeShock(const std::string& value, const SimulateOptions& options) {
+    refuseUnit(options, "--srs");
+    if (!options.force.isZero()) throw InputError({"", 0, "--force"}, "does not go with --srs", "--base-acceleration");
+    if (options.fade > 0)
+        throw InputError({"", 0, "--fade"}, "does not go with --srs", "an excitation that is no pulse");
+    constexpr double usual_rest = 1;  // s
+    const double quality = options.quality.value_or(10);
+    const ShockSynthesis shock = synthesizeShock(readShockSpectrum(value), quality, usual_rest);
+    return {shock.signal, false,
+            "shock with the response spectrum of " + value + ", Q " + formatNumber(quality) + ", met within " +
+                formatNumber(shock.least_decibels, 2) + " to " + formatNumber(shock.most_decibels, 2) + " dB"};
 }
 
 NamedSignal makeRandom(const std::string& value, const SimulateOptions& options) {
@@ -90,17 +153,28 @@ PowerSpectrum readLevelledSpectrum(const SimulateOptions& options) {
 
 const std::vector<ExcitationKind>& excitationKinds() {
     static const std::vector<ExcitationKind> kinds{
-        {"--sweep", "f0:f1", "sine sweep f0:f1 in Hz, downwards if f1 < f0", true, false, makeSweep},
-        {"--dwell", "f:duration", "sine f:duration in Hz and s", false, false, makeDwellSignal},
+        {"--sweep", "f0:f1", "sine sweep f0:f1 in Hz, downwards if f1 < f0", true, false, false, makeSweep},
+        {"--profile", "FILE",
+         "sine sweep by the rows of FILE, `from,to,level` in Hz and mm, mm/s, g or N; the lowest level of the rows at "
+         "a "
+         "frequency holds, so that crossovers and notches follow",
+         true, true, false, makeProfile},
+        {"--dwell", "f:duration", "sine f:duration in Hz and s", false, false, false, makeDwellSignal},
         {"--half-sine", "duration:rest", "shock, half a sine duration:rest in s, the rest following it", false, false,
-         makeHalfSineSignal},
+         false, makeHalfSineSignal},
+        {"--sawtooth", "duration:rest", "shock, a terminal-peak sawtooth duration:rest in s", false, false, false,
+         makeSawtoothSignal},
+        {"--trapezoid", "duration:rest", "shock, a trapezoid duration:rest in s", false, false, false,
+         makeTrapezoidSignal},
+        {"--srs", "FILE", "shock with the response spectrum of FILE (Hz, g), a sum of wavelets", false, true, false,
+         makeShock},
         {"--random", "f0:f1:duration", "band-limited noise f0:f1:duration in Hz and s; levels are RMS", false, false,
-         makeRandom},
+         false, makeRandom},
         {"--psd", "FILE",
          "random by breakpoints in FILE (Hz, g^2/Hz), for --duration (60 s); the level names axes (z), an RMS (z=1.5g) "
          "or a "
          "factor (z=0.5)",
-         false, true, makeSpectrumRandom}};
+         false, true, true, makeSpectrumRandom}};
     return kinds;
 }
 

@@ -26,6 +26,7 @@ struct ExcitationKind {
     const char* help;
     bool takes_rate;        ///< goes with --rate and --linear-rate
     bool takes_bare_level;  ///< has a level of its own, so that `--base-acceleration z` needs no value
+    bool is_spectrum;       ///< of a random test: goes with --modes, and its RMS may be given as a level with a unit
     /// @param value what the user gave to the option
     /// @throws InputError if the value is not of that form or out of range
     NamedSignal (*make)(const std::string& value, const SimulateOptions& options);

@@ -24,6 +24,13 @@ SampleTimes makeUniformTimes(double rate, double duration) {
     return SampleTimes::makeUniform(rate, static_cast<std::size_t>(count));
 }
 
+/// Hz.
+double chooseSampleRate(double highest) {
+    constexpr double usual = 1000, fewest_per_period = 2.5, chosen_per_period = 5;
+    if (usual >= fewest_per_period * highest) return usual;
+    return std::ceil(chosen_per_period * highest / usual) * usual;
+}
+
 Excitation makeReplay(const SimulateOptions& options) {
     std::optional<ColumnMap> map;
     if (!options.column_map.empty()) map = readColumnMap(options.column_map);
@@ -66,7 +73,8 @@ Excitation makeExcitation(const SimulateOptions& options) {
                            : "force " + formatVector(options.force) + (factor ? "" : " N");
     if (travel) excitation.level = "base displacement " + formatVector(options.base_displacement) + " m";
     const double duration = std::min(named.signal->duration(), options.duration.value_or(INFINITY));
-    excitation.times = makeUniformTimes(options.sample_rate.value_or(1000), duration);
+    excitation.times =
+        makeUniformTimes(options.sample_rate.value_or(chooseSampleRate(named.signal->highestFrequency())), duration);
     return excitation;
 }
 

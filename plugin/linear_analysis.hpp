@@ -10,6 +10,7 @@
 
 #include "models/atomic_file.hpp"
 #include "models/damped_modes.hpp"
+#include "models/device_drawing.hpp"
 #include "models/linear_response.hpp"
 #include "models/random_response.hpp"
 #include "models/static_sag.hpp"
@@ -58,6 +59,7 @@ nlohmann::json makeAnalysisJson(const LinearAnalysis& analysis);
 /// Columns `frequency [Hz]`, then of each output its real and imaginary part, or its density.
 std::string formatAnalysisCsv(const LinearAnalysis& analysis);
 /// Modes in motion, transfer functions, densities. @throws InputError: cannot be written.
-void writeAnalysisReport(const LinearAnalysis& analysis, const std::string& file, OutputFiles& outputs);
+void writeAnalysisReport(const LinearAnalysis& analysis, const std::vector<DrawnShape>& drawing,
+                         const std::string& file, OutputFiles& outputs);
 
 }  // namespace wems::plugin

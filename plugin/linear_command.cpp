@@ -57,7 +57,8 @@ void runLinearAnalysis(const SimulateOptions& options) {
     OutputFiles outputs = beginOutputs(options, model);
     const LinearAnalysis analysis = analyseLinearly(model, question);
     if (!options.output_file.empty()) outputs.add(options.output_file, formatAnalysisCsv(analysis));
-    if (!options.report_file.empty()) writeAnalysisReport(analysis, options.report_file, outputs);
+    if (!options.report_file.empty())
+        writeAnalysisReport(analysis, readDrawing(options.model_file), options.report_file, outputs);
     finishOutputs(options, makeAnalysisJson(analysis), formatAnalysis(analysis, styleOf(STDOUT_FILENO)), outputs);
 }
 

@@ -85,7 +85,8 @@ std::vector<Plot> plotOutputs(const LinearAnalysis& analysis, const std::vector<
 
 }  // namespace
 
-void writeAnalysisReport(const LinearAnalysis& analysis, const std::string& file, OutputFiles& outputs) {
+void writeAnalysisReport(const LinearAnalysis& analysis, const std::vector<DrawnShape>& drawing,
+                         const std::string& file, OutputFiles& outputs) {
     HtmlReport page("Linear model of " + analysis.model.name);
     const DampedMode* first = nullptr;
     for (const DampedMode& mode : analysis.modes)
@@ -120,6 +121,7 @@ void writeAnalysisReport(const LinearAnalysis& analysis, const std::string& file
     MotionScene scene;
     scene.title = "Mode shapes";
     scene.model = analysis.model;
+    scene.drawing = drawing;
     for (std::size_t i = 0; i < analysis.modes.size(); ++i)
         if (analysis.modes[i].frequency > 0) scene.runs.push_back(makeModeRun(analysis, i));
     page.addHeading("Mode shapes");

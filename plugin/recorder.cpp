@@ -187,12 +187,14 @@ void Recorder::watchStops(const DeviceMotion& motion, double time) {
         if (!(penetration > 0)) continue;
         auto& intervals = contact.intervals;
         if (intervals.empty() || time - intervals.back().last > StopContact::longest_pause)
-            intervals.push_back({time, time, 0, 0});
+            intervals.push_back({time, time, 0, 0, 0});
         StopContact::Interval& interval = intervals.back();
+        if (interval.samples == 0 || interval.last != watched_) ++interval.visits;
         interval.last = time;
         interval.deepest = std::max(interval.deepest, penetration);
         ++interval.samples;
     }
+    watched_ = time;
 }
 
 }  // namespace wems::plugin

@@ -38,6 +38,7 @@ struct StopContact {
         double first = 0, last = 0;  ///< s
         double deepest = 0;          ///< m, largest penetration at a sample
         long samples = 0;
+        long visits = 0;  ///< times that it was reached: with samples in which it was not touched between them
     };
     static constexpr double longest_pause = 0.5;  ///< s
     std::vector<Interval> intervals;              ///< empty: never touched
@@ -109,6 +110,7 @@ private:
     std::vector<std::vector<double>> values_;  // of the rows from taken_ on
     std::vector<StopContact> contacts_;
     std::vector<LargestDisplacement> largest_;
+    double watched_ = -1;  // s, of the sample before
     std::function<void(double)> progress_;
     std::function<void(double, const DeviceMotion&)> observer_;
 };

@@ -42,6 +42,26 @@ Eigen::Index findLargest(const ResponseCurve& curve, std::size_t& point) {
     return axis;
 }
 
+std::string describeInstability(const ResponseCurve& curve) {
+    return listStretches(curve,
+                         [](const ResponsePoint& point) { return std::string(nameInstability(point.instability)); });
+}
+
+/// One line for each detached curve.
+std::string describeDetached(const ResponseCurve& curve, const std::vector<std::string>& axes) {
+    if (curve.detached.empty()) return "  detached: none found\n";
+    std::string text;
+    for (const ResponseCurve& other : curve.detached) {
+        std::size_t peak = 0;
+        const Eigen::Index axis = findLargest(other, peak);
+        text += "  detached: " + listStretches(other, [](const ResponsePoint&) { return std::string("-"); }) +
+                ", largest amplitude " + formatNumber(1e3 * other.points[peak].amplitude[axis], 4) + " mm at " +
+                axes[static_cast<std::size_t>(axis)] + "; unstable: " + describeInstability(other) + "\n";
+        if (!other.incomplete.empty()) text += "note: " + other.incomplete + "\n";
+    }
+    return text;
+}
+
 nlohmann::json listOf(const Eigen::VectorXd& values) {
     return std::vector<double>(values.begin(), values.end());
 }
@@ -64,10 +84,8 @@ std::string formatResponses(const MountModel& model, const std::vector<LevelResp
         for (const ResponseFold& fold : curve.folds)
             folds += (folds.empty() ? "" : ", ") + formatNumber(fold.frequency, 5);
         text += "  folds: " + (folds.empty() ? "none" : folds + " Hz") + "\n";
-        text += "  unstable: " +
-                listStretches(
-                    curve, [](const ResponsePoint& point) { return std::string(nameInstability(point.instability)); }) +
-                "\n";
+        text += "  unstable: " + describeInstability(curve) + "\n";
+        text += describeDetached(curve, axes);
         Table contacts({"stop touched", "from [Hz]", "to [Hz]", "deepest [mm]"});
         for (std::size_t s = 0; s < stops.size(); ++s) {
             double lowest = 0, highest = 0, deepest = 0;
@@ -87,28 +105,39 @@ std::string formatResponses(const MountModel& model, const std::vector<LevelResp
     return text;
 }
 
+namespace {
+
+nlohmann::json makeCurveJson(const ResponseCurve& curve) {
+    auto points = nlohmann::json::array(), folds = points, bifurcations = points;
+    for (const ResponsePoint& point : curve.points)
+        points.push_back({{"frequency", point.frequency},
+                          {"stable", point.instability == Instability::none},
+                          {"instability", nameInstability(point.instability)},
+                          {"largest_multiplier", point.largest_multiplier},
+                          {"amplitude", listOf(point.amplitude)},
+                          {"fundamental", listOf(point.first)},
+                          {"highest", listOf(point.highest)},
+                          {"lowest", listOf(point.lowest)},
+                          {"penetration", point.penetration}});
+    for (const ResponseFold& fold : curve.folds)
+        folds.push_back({{"frequency", fold.frequency}, {"amplitude", listOf(fold.amplitude)}});
+    for (const ResponseBifurcation& change : curve.bifurcations)
+        bifurcations.push_back({{"frequency", change.frequency}, {"kind", nameInstability(change.kind)}});
+    return {{"incomplete", curve.incomplete}, {"folds", folds}, {"bifurcations", bifurcations}, {"points", points}};
+}
+
+}  // namespace
+
 nlohmann::json makeResponseJson(const MountModel& model, const std::vector<LevelResponse>& levels) {
     auto list = nlohmann::json::array();
     for (const LevelResponse& level : levels) {
-        auto points = nlohmann::json::array(), folds = nlohmann::json::array();
-        for (const ResponsePoint& point : level.curve.points)
-            points.push_back({{"frequency", point.frequency},
-                              {"stable", point.instability == Instability::none},
-                              {"instability", nameInstability(point.instability)},
-                              {"largest_multiplier", point.largest_multiplier},
-                              {"amplitude", listOf(point.amplitude)},
-                              {"fundamental", listOf(point.first)},
-                              {"highest", listOf(point.highest)},
-                              {"lowest", listOf(point.lowest)},
-                              {"penetration", point.penetration}});
-        for (const ResponseFold& fold : level.curve.folds)
-            folds.push_back({{"frequency", fold.frequency}, {"amplitude", listOf(fold.amplitude)}});
-        list.push_back({{"level", level.level},
-                        {"harmonics", level.curve.harmonics},
-                        {"seconds", level.curve.seconds},
-                        {"incomplete", level.curve.incomplete},
-                        {"folds", folds},
-                        {"points", points}});
+        nlohmann::json entry = makeCurveJson(level.curve);
+        entry["level"] = level.level;
+        entry["harmonics"] = level.curve.harmonics;
+        entry["seconds"] = level.curve.seconds;
+        entry["detached"] = nlohmann::json::array();
+        for (const ResponseCurve& other : level.curve.detached) entry["detached"].push_back(makeCurveJson(other));
+        list.push_back(std::move(entry));
     }
     return {{"levels", list},
             {"axes", nameAxes(model)},
@@ -117,18 +146,24 @@ nlohmann::json makeResponseJson(const MountModel& model, const std::vector<Level
 }
 
 std::string formatResponseCsv(const MountModel& model, const std::vector<LevelResponse>& levels) {
-    std::string text = "# model: " + model.name + "\nlevel,frequency [Hz],instability,largest_multiplier";
+    std::string text = "# model: " + model.name + "\nlevel,curve,frequency [Hz],instability,largest_multiplier";
     for (const std::string& axis : nameAxes(model)) text += ",relative." + axis + " [m]";
     for (const std::string& stop : nameStops(model)) text += "," + stop + ".penetration [m]";
     text += "\n";
-    for (const LevelResponse& level : levels)
-        for (const ResponsePoint& point : level.curve.points) {
-            text += "\"" + level.level + "\"," + formatNumber(point.frequency) + "," +
+    const auto addCurve = [&text](const std::string& level, const std::string& name, const ResponseCurve& curve) {
+        for (const ResponsePoint& point : curve.points) {
+            text += "\"" + level + "\"," + name + "," + formatNumber(point.frequency) + "," +
                     nameInstability(point.instability) + "," + formatNumber(point.largest_multiplier, 8);
             for (const double value : point.amplitude) text += "," + formatNumber(value, 8);
             for (const double value : point.penetration) text += "," + formatNumber(value, 8);
             text += "\n";
         }
+    };
+    for (const LevelResponse& level : levels) {
+        addCurve(level.level, "main", level.curve);
+        for (std::size_t i = 0; i < level.curve.detached.size(); ++i)
+            addCurve(level.level, "detached " + std::to_string(i + 1), level.curve.detached[i]);
+    }
     return text;
 }
 

@@ -46,9 +46,10 @@ void writeResponseReport(const MountModel& model, const std::vector<LevelRespons
                          OutputFiles& outputs) {
     const std::vector<std::string> axes = nameAxes(model), stops = nameStops(model);
     HtmlReport page("Periodic response of " + model.name);
-    Table table({"level", "folds [Hz]", "unstable points", "stops touched", "points", "time [s]"});
+    Table table(
+        {"level", "folds [Hz]", "detached curves [Hz]", "unstable points", "stops touched", "points", "time [s]"});
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(axes.size()));
-    std::size_t folded = 0;
+    std::size_t folded = 0, apart = 0;
     for (const LevelResponse& level : levels) {
         std::string folds;
         for (const ResponseFold& fold : level.curve.folds)
@@ -61,18 +62,30 @@ void writeResponseReport(const MountModel& model, const std::vector<LevelRespons
             largest = largest.cwiseMax(point.amplitude);
             for (std::size_t s = 0; s < touched.size(); ++s) touched[s] = touched[s] || point.penetration[s] > 0;
         }
-        table.addRow({level.level, folds.empty() ? "none" : folds, std::to_string(unstable),
-                      std::to_string(std::count(touched.begin(), touched.end(), true)),
+        std::string detached;
+        for (const ResponseCurve& other : level.curve.detached) {
+            const auto [low, high] = std::minmax_element(
+                other.points.begin(), other.points.end(),
+                [](const ResponsePoint& a, const ResponsePoint& b) { return a.frequency < b.frequency; });
+            detached += (detached.empty() ? "" : ", ") + formatNumber(low->frequency, 4) + " to " +
+                        formatNumber(high->frequency, 4);
+            for (const ResponsePoint& point : other.points) largest = largest.cwiseMax(point.amplitude);
+        }
+        apart += level.curve.detached.size();
+        table.addRow({level.level, folds.empty() ? "none" : folds, detached.empty() ? "none found" : detached,
+                      std::to_string(unstable), std::to_string(std::count(touched.begin(), touched.end(), true)),
                       std::to_string(level.curve.points.size()), formatNumber(level.curve.seconds, 2)});
     }
     page.addLead(folded == 0 ? "At no level does the response fold: one motion at each frequency on this branch."
                              : "At " + std::to_string(folded) + " of " + std::to_string(levels.size()) +
                                    " levels the response folds: sweeps up and down jump there.");
+    if (apart > 0)
+        page.addLead(std::to_string(apart) +
+                     " detached curves were found: motions that no sweep from rest reaches, but a blow may.");
     page.addTable(table.header(), table.rows());
     page.addText(
         "Amplitude: half of what lies between the ends of the motion in a period. Sparse points mark motions that are "
-        "unstable, which no test shows; further pictures mark where an axis touches its stops. Branches that are not "
-        "connected with the low end of the band are not shown.");
+        "unstable, which no test shows; further pictures mark where an axis touches its stops.");
     for (const LevelResponse& level : levels)
         if (!level.curve.incomplete.empty()) page.addText(level.level + ": " + level.curve.incomplete + ".");
     constexpr double worth_drawing = 0.02;  // of the largest amplitude of all axes
@@ -105,6 +118,13 @@ void writeResponseReport(const MountModel& model, const std::vector<LevelRespons
                  {std::pair{&branches, trace(name + ", unstable", curve, axis, color, frame, sparse, unstable)},
                   std::pair{&contact, trace(name, curve, axis, color, frame, 1, touching)}})
                 if (!series.x.empty()) plot->series.push_back(series);
+            for (std::size_t k = 0; k < curve.detached.size(); ++k) {
+                const std::string own_name = name + ", detached " + std::to_string(k + 1);
+                for (Series series :
+                     {trace(own_name, curve.detached[k], axis, color, frame, 1, stable),
+                      trace(own_name + ", unstable", curve.detached[k], axis, color, frame, sparse, unstable)})
+                    if (!series.x.empty()) branches.series.push_back(std::move(series));
+            }
         }
         page.addPlot(branches);
         if (!contact.series.empty()) page.addPlot(contact);

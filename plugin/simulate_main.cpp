@@ -57,15 +57,42 @@ bool participatesInBaseMotion(const MountModel& model) {
     return model.bracket.empty();
 }
 
-/// Empty if the rate shows the excitation. A replay has the samples that it has.
+/// What is to be said of the sampling rate; empty if it shows the excitation and is the usual one. A replay has the
+/// samples that it has.
 std::string noteSampleRate(const SimulateOptions& options, const Excitation& excitation) {
     if (!options.replay_file.empty() || excitation.times.size() < 2) return {};
     const double rate = 1 / (excitation.times[1] - excitation.times[0]);
     const double highest = excitation.drive->highestFrequency();
+    if (!options.sample_rate) {
+        constexpr double usual = 1000;
+        if (rate <= 1.0001 * usual) return {};
+        return "recorded at " + formatNumber(rate, 6) + " Hz, since the excitation reaches " +
+               formatNumber(highest, 4) + " Hz; --sample-rate takes another";
+    }
     if (rate >= 2 * highest) return {};
     return formatNumber(rate, 6) + " Hz are less than two samples in a period of the excitation, which reaches " +
            formatNumber(highest, 4) + " Hz: the recording shows other frequencies; --sample-rate " +
            formatNumber(5 * highest, 4) + " would show it";
+}
+
+/// Empty unless a stop is touched for so few samples that the recording does not show how.
+std::string noteContacts(const MountModel& model, const std::vector<StopContact>& contacts, const SampleTimes& times) {
+    constexpr double fewest = 4;  // samples of a touch: two in between, which show its peak
+    double least = fewest;
+    const StopContact* shortest = nullptr;
+    for (const StopContact& contact : contacts)
+        for (const StopContact::Interval& interval : contact.intervals)
+            if (const double samples = static_cast<double>(interval.samples) / static_cast<double>(interval.visits);
+                samples < least) {
+                least = samples;
+                shortest = &contact;
+            }
+    if (shortest == nullptr || times.size() < 2) return {};
+    const double rate = static_cast<double>(times.size() - 1) / times.back();
+    const Connection& connection = model.connections[static_cast<std::size_t>(shortest->connection)];
+    return "stop " + connection.name + "." + "xyz"[shortest->axis] + " is touched for " + formatNumber(least, 2) +
+           " samples at a time on average, too few to show its force; --sample-rate " +
+           formatNumber(std::ceil(2 * fewest / least) * rate, 3) + " would show it";
 }
 
 /// Where a run stands against the clock, and what keeps it from being faster.
@@ -201,8 +228,14 @@ void run(const SimulateOptions& options) {
         if (!options.report_file.empty()) overview.add(shifted);
     };
     ConnectionOverview connections(model, times.size());
-    if (!options.report_file.empty())
-        settings.observer = [&](double t, const DeviceMotion& motion) { connections.add(t, motion); };
+    std::optional<SceneRecorder> scene;
+    if (!options.report_file.empty()) {
+        scene.emplace(model, *excitation.drive, times, readDrawing(options.model_file));
+        settings.observer = [&](double t, const DeviceMotion& motion) {
+            connections.add(t, motion);
+            scene->add(motion);
+        };
+    }
     const SimulationResult result = simulate(model, excitation.drive, settings);
     progress.reset();
 
@@ -210,9 +243,10 @@ void run(const SimulateOptions& options) {
         outputs.add(writer->finish());
         notes.insert(notes.end(), writer->notes().begin(), writer->notes().end());
     }
+    if (std::string note = noteContacts(model, result.contacts, times); !note.empty()) notes.push_back(std::move(note));
     const RunDescription description{model, *excitation.drive, result, excitation.time_offset};
     if (!options.report_file.empty())
-        writeHtmlSummary(description, header, overview, connections, options.report_file, outputs);
+        writeHtmlSummary(description, header, overview, connections, *scene, options.report_file, outputs);
     // Names of files need not be UTF-8.
     const std::string json =
         makeSummaryJson(description).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

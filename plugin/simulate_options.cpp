@@ -109,7 +109,8 @@ constexpr const char* footer =
     "and but for --from-csv one of --force, --base-acceleration. The recording starts from the static\n"
     "equilibrium under the model's gravity; displacements count from there. Exit status: 0 done, 2 bad input or "
     "usage.\n\n"
-    "Example, a sweep at 200 N along z, four octaves per minute, with a micrometre of sensor noise:\n"
+    "Levels take units, z=1.5g or z=5mm. Example, a sweep at 200 N along z, four octaves per minute, with a micrometre "
+    "of sensor noise:\n"
     "  simulate smallsat.toml --sweep 5:50 --rate 4 --force z=200 --noise displacement=1e-6 -o run.csv\n"
     "The same load once more on another model, for comparison:\n"
     "  simulate other.toml --from-csv run.csv -o other.csv\n"
@@ -141,7 +142,7 @@ void chooseExcitation(const std::vector<std::string>& values, SimulateOptions& o
 /// Modes and transfer functions: no run, so that only a spectrum may stand beside them.
 void checkLinearOptions(const SimulateOptions& options, int levels) {
     const bool spectrum = options.kind != nullptr;
-    if (!options.replay_file.empty() || (spectrum && !options.kind->takes_bare_level))
+    if (!options.replay_file.empty() || (spectrum && !options.kind->is_spectrum))
         throw InputError({"", 0, options.modes ? "--modes" : "--frf"}, "is no run and takes no such excitation",
                          "--psd");
     const bool driven = spectrum || !options.band.empty();
@@ -181,9 +182,18 @@ void checkOptions(const SimulateOptions& options) {
     if (!options.replay_file.empty() && levels != 0)
         throw InputError({"", 0, "--from-csv"}, "the recording says load and base motion itself",
                          "no --force and no --base-acceleration beside it");
+    const bool whole = options.kind != nullptr && options.kind->takes_bare_level;
+    if (whole && !options.base_displacement.isZero())
+        throw InputError({"", 0, "--base-displacement"}, std::string("does not go with ") + options.kind->option,
+                         "--base-acceleration");
+    if (options.quality && (options.kind == nullptr || std::string(options.kind->option) != "--srs"))
+        throw InputError({"", 0, "--q"}, "is of a shock response spectrum", "--srs FILE");
+    if (options.downwards && (options.kind == nullptr || std::string(options.kind->option) != "--profile"))
+        throw InputError({"", 0, "--downwards"}, "is of a profile", "--profile FILE");
     const bool takes_rate = options.kind != nullptr && options.kind->takes_rate;
     if (!takes_rate && (options.octaves_per_minute || options.hertz_per_second))
-        throw InputError({"", 0, "--rate"}, "is the rate of a sweep, and there is none", "--sweep f0:f1");
+        throw InputError({"", 0, "--rate"}, "is the rate of a sweep, and there is none",
+                         "--sweep f0:f1, --profile FILE");
     if (options.octaves_per_minute && options.hertz_per_second)
         throw InputError({"", 0, "--rate"}, "and --linear-rate are both given", "one of them");
     if (!options.replay_file.empty() && options.fade > 0)
@@ -231,10 +241,14 @@ std::optional<SimulateOptions> parseCommandLine(int argc, const char* const* arg
     app.add_option("--base-acceleration", base, "acceleration of the base, m/s^2, such as z=1.0 or z=1.5g");
     app.add_option("--base-displacement", travel,
                    "displacement of the base in a sweep or dwell, m, such as z=5mm, in place of its acceleration");
+    app.add_flag("--downwards", options.downwards, "sweep a --profile from its highest frequency to its lowest");
+    app.add_option("--q", options.quality, "quality factor of the oscillators of --srs (default 10)")
+        ->check(isPositive());
     app.add_option("--fade", options.fade, "fade in and out over so many seconds");
     app.add_option("--duration", options.duration, "end the run after so many seconds");
-    app.add_option("--sample-rate", options.sample_rate,
-                   "Hz (default 1000; with --from-csv the time stamps of the recording)");
+    app.add_option(
+        "--sample-rate", options.sample_rate,
+        "Hz (default 1000, more where the excitation is faster; with --from-csv the recording's time stamps)");
     app.add_option("--channels", channels, "quantities to record (default displacement,acceleration; also velocity)");
     app.add_option("--noise", noise, "sensor noise, RMS in SI units, such as displacement=1e-6,acceleration=0.01");
     app.add_option("--seed", options.seed, "seed of sensor noise and random excitation (default 1)");

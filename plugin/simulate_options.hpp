@@ -37,6 +37,8 @@ struct SimulateOptions {
     int harmonics = 15;         ///< of them
 
     std::optional<double> octaves_per_minute, hertz_per_second;   ///< of a sweep; without both 4 octaves per minute
+    bool downwards = false;                                       ///< of a profile
+    std::optional<double> quality;                                ///< of the oscillators of a shock response spectrum
     double fade = 0;                                              ///< s, at start and end
     Eigen::Vector3d force = Eigen::Vector3d::Zero();              ///< N
     Eigen::Vector3d base_acceleration = Eigen::Vector3d::Zero();  ///< m/s²
@@ -46,7 +48,7 @@ struct SimulateOptions {
     std::optional<double> duration;                               ///< s, cuts the run
     std::string column_map;                                       ///< of the recording to replay
 
-    std::optional<double> sample_rate;  ///< Hz; without it 1000, or the rows of the recording to replay
+    std::optional<double> sample_rate;  ///< Hz; without it chosen, or the rows of the recording to replay
     double accuracy = 0;
     ChannelSelection channels;
     SensorNoise noise;
@@ -68,6 +70,7 @@ struct Excitation {
     std::string description;  ///< `sweep 5 to 50 Hz, 4 octaves per minute`
     std::string level;        ///< `force x=0 y=0 z=200 N`
 };
+/// Without a sampling rate from the user 1000 Hz, or five samples a period of the fastest that the excitation holds.
 /// @throws InputError on values out of range or a recording that cannot be replayed.
 Excitation makeExcitation(const SimulateOptions& options);
 

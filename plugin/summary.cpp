@@ -112,7 +112,8 @@ nlohmann::json makeSummaryJson(const RunDescription& run) {
 }
 
 void writeHtmlSummary(const RunDescription& run, const Recording& header, const RunOverview& overview,
-                      const ConnectionOverview& connections, const std::string& file, OutputFiles& outputs) {
+                      const ConnectionOverview& connections, const SceneRecorder& scene, const std::string& file,
+                      OutputFiles& outputs) {
     HtmlReport report("Simulation of " + run.model.name);
     report.addLead(connections.makeHeadline(run.drive));
     std::vector<std::string> settings;
@@ -128,6 +129,12 @@ void writeHtmlSummary(const RunDescription& run, const Recording& header, const 
     report.addHeading("Connections: displacement, force, clearance left");
     report.addTable(margins.header(), margins.rows());
     connections.addPictures(report, run.drive, run.time_offset);
+    report.addHeading("The device in motion");
+    report.addText(
+        "The motion is exaggerated about the rest position, clearances alike, so that a stop touches in the picture "
+        "when "
+        "it does in the run. Arrows are the forces of the connections on the mobile part. Drag to turn the view.");
+    report.addScene(scene.finish(run.time_offset, header));
     report.addHeading("Channels");
 
     // Against frequency where it sweeps, against time otherwise.

@@ -10,6 +10,7 @@
 #include "plugin/connection_overview.hpp"
 #include "plugin/drive.hpp"
 #include "plugin/run_overview.hpp"
+#include "plugin/scene_recorder.hpp"
 #include "plugin/simulation.hpp"
 
 namespace wems::plugin {
@@ -27,11 +28,12 @@ struct RunDescription {
 std::string formatSummary(const RunDescription& run, TextStyle style);
 nlohmann::json makeSummaryJson(const RunDescription& run);
 
-/// The summary with what each connection went through, and plots of displacements and accelerations; channels that
-/// stood still are left out.
+/// The summary with what each connection went through, the device in motion, and plots of displacements and
+/// accelerations; channels that stood still are left out.
 /// @param overview of the recording, whose metadata it shows, times as in the recording
 /// @throws InputError: cannot be written.
 void writeHtmlSummary(const RunDescription& run, const Recording& header, const RunOverview& overview,
-                      const ConnectionOverview& connections, const std::string& file, OutputFiles& outputs);
+                      const ConnectionOverview& connections, const SceneRecorder& scene, const std::string& file,
+                      OutputFiles& outputs);
 
 }  // namespace wems::plugin

@@ -10,7 +10,8 @@
 namespace wems::identify {
 namespace {
 
-constexpr int kAverages = 20;
+constexpr int kAverages = 20;      // segments
+constexpr int kSweepAverages = 8;  // of a sine, which needs fewer: what it drives stands far above the noise
 
 Eigen::Map<const Eigen::VectorXd> valuesOf(const Channel& channel) {
     return {channel.values.data(), static_cast<Eigen::Index>(channel.values.size())};
@@ -64,15 +65,16 @@ ChannelTransfer makeTransfer(const Recording& recording, const CrossSpectra& spe
     const std::string to = siUnit(findQuantity(*parseChannelName(out.name)));
     transfer.unit = from == to ? "-" : "(" + to + ")/(" + from + ")";
     transfer.estimate = estimateTransfer(spectra, output);
-    // A peak where input and output have nothing to do with each other is none.
-    const double threshold = coherenceThreshold95(spectra.degrees_of_freedom);
+    // A peak where less than half of the output follows the input, or no more than chance lets it, is none.
+    constexpr double least_coherence = 0.5;
+    const double threshold = std::max(least_coherence, coherenceThreshold95(spectra.degrees_of_freedom));
     for (const ResponsePeak& peak :
          findPeaks(spectra.frequency, transfer.estimate.h1.cwiseAbs(), run.lowest, run.highest))
         if (transfer.estimate.coherence[peak.bin] > threshold) transfer.peaks.push_back(peak);
     return transfer;
 }
 
-void addLevels(const Recording& recording, RunSpectra& run) {
+void addLevels(const Recording& recording, const SweptFrequency& swept, RunSpectra& run) {
     for (const Channel& channel : recording.channels) {
         const auto values = valuesOf(channel);
         const double mean = values.mean();
@@ -83,6 +85,7 @@ void addLevels(const Recording& recording, RunSpectra& run) {
         level.peak = (values.array() - mean).abs().maxCoeff(&at);
         level.rms = std::sqrt(calcVariance(channel));
         level.at = recording.time[static_cast<std::size_t>(at)];
+        level.at_hertz = swept.is_sine && at < swept.hertz.size() ? swept.hertz[at] : NAN;
         run.channels.push_back(level);
     }
 }
@@ -139,15 +142,15 @@ RunSpectra calcRunSpectra(const Recording& recorded, const MountModel* model, co
     const double interval = recording.sampleInterval();
     run.lowest = settings.band ? settings.band->first : swept.lowest;
     run.highest = settings.band ? settings.band->second : swept.highest > 0 ? swept.highest : 0.5 / interval;
-    addLevels(recording, run);
+    addLevels(recording, swept, run);
 
     const auto samples = static_cast<Eigen::Index>(recording.sampleCount());
     Eigen::MatrixXd signals(samples, static_cast<Eigen::Index>(recording.channels.size()));
     for (std::size_t c = 0; c < recording.channels.size(); ++c)
         signals.col(static_cast<Eigen::Index>(c)) = valuesOf(recording.channels[c]);
     WelchSettings welch;
-    welch.segment =
-        settings.resolution ? std::lround(1 / (*settings.resolution * interval)) : chooseSegment(samples, kAverages);
+    welch.segment = settings.resolution ? std::lround(1 / (*settings.resolution * interval))
+                                        : chooseSegment(samples, swept.is_sine ? kSweepAverages : kAverages);
     if (welch.segment > samples || welch.segment < 8)
         throw InputError(
             {recorded.file, 0, "--resolution"},

@@ -9,14 +9,15 @@
 
 #include "identify/inspect/order_tracking.hpp"
 #include "identify/spectra/margins.hpp"
-#include "identify/spectra/shock_response.hpp"
 #include "identify/spectra/spectra_peaks.hpp"
 #include "identify/spectra/transfer_estimate.hpp"
+#include "models/shock_response.hpp"
 
 namespace wems::identify {
 
 struct SpectraSettings {
-    std::optional<double> resolution;  ///< Hz, from one bin to the next; absent: at least 20 segments
+    std::optional<double>
+        resolution;         ///< Hz, from one bin to the next; absent: at least 20 segments, 8 of a sine sweep
     std::string reference;  ///< channel that drives; empty: the strongest of the load, the base, the fixed part
     std::optional<std::pair<double, double>> band;  ///< Hz, where peaks are looked for; absent: the excited band
     double quality = 10;                            ///< Q of the shock response
@@ -25,9 +26,10 @@ struct SpectraSettings {
 struct ChannelLevel {
     std::string name;
     Quantity quantity = Quantity::acceleration;
-    double rms = 0;   ///< SI, about the mean
-    double peak = 0;  ///< SI, largest deviation from the mean
-    double at = 0;    ///< s, of the peak
+    double rms = 0;       ///< SI, about the mean
+    double peak = 0;      ///< SI, largest deviation from the mean
+    double at = 0;        ///< s, of the peak
+    double at_hertz = 0;  ///< swept frequency there, Hz; NaN where nothing sweeps
 };
 
 /// From one channel to another.

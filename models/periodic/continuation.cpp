@@ -38,50 +38,63 @@ Split split(const HarmonicBalance& balance, const HarmonicBalance::Linear& linea
 }  // namespace
 
 Continuation::Continuation(const HarmonicBalance& balance, const ContinuationSettings& settings)
-    : balance_(balance), settings_(settings), frequency_unit_((settings.to - settings.from) / 10), amplitude_unit_(0) {
-    // The largest that the linear model moves anywhere in the band.
-    constexpr int looks = 50;
-    for (int i = 0; i <= looks; ++i) {
-        const double f = settings.from * std::pow(settings.to / settings.from, double(i) / looks);
-        amplitude_unit_ = std::max(amplitude_unit_, balance.calcLinear(f).excited.cwiseAbs().maxCoeff());
+    : balance_(balance), settings_(settings), parameter_unit_((settings.to - settings.from) / 10), amplitude_unit_(0) {
+    if (settings.at_frequency) {
+        fixed_ = balance.calcLinear(*settings.at_frequency);
+        amplitude_unit_ = settings.to * fixed_->excited.cwiseAbs().maxCoeff();
+    } else {
+        // The largest that the linear model moves anywhere in the band.
+        constexpr int looks = 50;
+        for (int i = 0; i <= looks; ++i) {
+            const double f = settings.from * std::pow(settings.to / settings.from, double(i) / looks);
+            amplitude_unit_ = std::max(amplitude_unit_, balance.calcLinear(f).excited.cwiseAbs().maxCoeff());
+        }
     }
     if (!(amplitude_unit_ > 0)) amplitude_unit_ = 1e-6;  // nothing moves: any unit will do
 }
 
-Eigen::VectorXd Continuation::calcResidual(const Eigen::VectorXd& Q, double frequency) const {
-    return balance_.calcResidual(balance_.calcLinear(frequency), balance_.calcNonlinear(Q, frequency), Q);
+HarmonicBalance::Linear Continuation::linearAt(double parameter) const {
+    if (!fixed_) return balance_.calcLinear(parameter);
+    HarmonicBalance::Linear linear = *fixed_;
+    linear.excited *= parameter;
+    return linear;
 }
 
-Eigen::VectorXd Continuation::differentiateByFrequency(const Eigen::VectorXd& Q, double frequency) const {
-    const double step = 1e-6 * frequency;
-    return (calcResidual(Q, frequency + step) - calcResidual(Q, frequency - step)) / (2 * step);
+Eigen::VectorXd Continuation::calcResidual(const Eigen::VectorXd& Q, double parameter) const {
+    return balance_.calcResidual(linearAt(parameter), balance_.calcNonlinear(Q, frequencyAt(parameter)), Q);
+}
+
+Eigen::VectorXd Continuation::differentiateByParameter(const Eigen::VectorXd& Q, double parameter) const {
+    if (fixed_) return -balance_.calcLinearMotion(*fixed_);
+    const double step = 1e-6 * parameter;
+    return (calcResidual(Q, parameter + step) - calcResidual(Q, parameter - step)) / (2 * step);
 }
 
 Continuation::Step Continuation::solveBordered(const HarmonicBalance::Linear& linear,
                                                const HarmonicBalance::Nonlinear& nonlinear,
-                                               const Eigen::VectorXd& by_frequency, const CurvePoint& border,
-                                               const Eigen::VectorXd& right_Q, double right_f) const {
+                                               const Eigen::VectorXd& by_parameter, const CurvePoint& border,
+                                               const Eigen::VectorXd& right_Q, double right_p) const {
     const Split parts = split(balance_, linear, nonlinear);
     const auto count = static_cast<Eigen::Index>(parts.active.size());
     const Eigen::VectorXd w = border.along_Q / amplitude_unit_;
-    const double w_f = border.along_frequency / frequency_unit_;
-    // An idle coefficient follows at once: δ_i = right_i − C_i δ_active − r_i δf.
+    const double w_p = border.along_parameter / parameter_unit_;
+    // An idle coefficient follows at once: δ_i = right_i − C_i δ_active − r_i δp.
     Eigen::MatrixXd matrix(count + 1, count + 1);
     Eigen::VectorXd right(count + 1);
     matrix.topLeftCorner(count, count) = parts.columns(parts.active, Eigen::all);
     matrix.topLeftCorner(count, count).diagonal().array() += 1;
-    matrix.topRightCorner(count, 1) = by_frequency(parts.active);
+    matrix.topRightCorner(count, 1) = by_parameter(parts.active);
     right.head(count) = right_Q(parts.active);
     const Eigen::VectorXd w_idle = w(parts.idle);
     matrix.bottomLeftCorner(1, count) =
         (w(parts.active) - parts.columns(parts.idle, Eigen::all).transpose() * w_idle).transpose();
-    matrix(count, count) = w_f - w_idle.dot(by_frequency(parts.idle));
-    right[count] = right_f - w_idle.dot(right_Q(parts.idle));
+    matrix(count, count) = w_p - w_idle.dot(by_parameter(parts.idle));
+    right[count] = right_p - w_idle.dot(right_Q(parts.idle));
     const Eigen::VectorXd solution = matrix.partialPivLu().solve(right);
     Step step{Eigen::VectorXd(right_Q.size()), solution[count]};
     step.Q(parts.active) = solution.head(count);
     step.Q(parts.idle) = right_Q(parts.idle) - parts.columns(parts.idle, Eigen::all) * solution.head(count) -
-                         step.frequency * by_frequency(parts.idle);
+                         step.parameter * by_parameter(parts.idle);
     return step;
 }
 
@@ -89,9 +102,9 @@ Continuation::Step Continuation::solveBordered(const HarmonicBalance::Linear& li
 int Continuation::correct(const CurvePoint& border, CurvePoint& point) const {
     double last = INFINITY;
     for (int i = 1; i <= kMostIterations; ++i) {
-        if (!(point.frequency > 0)) return -1;
-        const auto linear = balance_.calcLinear(point.frequency);
-        const auto nonlinear = balance_.calcNonlinear(point.Q, point.frequency);
+        if (!(point.parameter > 0)) return -1;
+        const auto linear = linearAt(point.parameter);
+        const auto nonlinear = balance_.calcNonlinear(point.Q, frequencyAt(point.parameter));
         const Eigen::VectorXd residual = balance_.calcResidual(linear, nonlinear, point.Q);
         const double size = residual.cwiseAbs().maxCoeff();
         if (size <= kConverged * amplitude_unit_) return i;
@@ -99,73 +112,145 @@ int Continuation::correct(const CurvePoint& border, CurvePoint& point) const {
         if (!(size < worse * last)) return -1;
         last = size;
         const Step step =
-            solveBordered(linear, nonlinear, differentiateByFrequency(point.Q, point.frequency), border, -residual, 0);
+            solveBordered(linear, nonlinear, differentiateByParameter(point.Q, point.parameter), border, -residual, 0);
         point.Q += step.Q;
-        point.frequency += step.frequency;
+        point.parameter += step.parameter;
     }
     return -1;
 }
 
-bool Continuation::solveAt(double frequency, Eigen::VectorXd& Q) const {
-    CurvePoint border, point;  // across the frequency: it stays
+bool Continuation::solveAt(double parameter, Eigen::VectorXd& Q) const {
+    CurvePoint border, point;  // across the parameter: it stays
     border.along_Q = Eigen::VectorXd::Zero(Q.size());
-    border.along_frequency = 1;
+    border.along_parameter = 1;
     point.Q = Q;
-    point.frequency = frequency;
+    point.parameter = parameter;
     if (correct(border, point) < 0) return false;
     Q = point.Q;
     return true;
 }
 
 void Continuation::setTangent(const CurvePoint& before, CurvePoint& point) const {
-    const auto linear = balance_.calcLinear(point.frequency);
-    const auto nonlinear = balance_.calcNonlinear(point.Q, point.frequency);
-    const Step step = solveBordered(linear, nonlinear, differentiateByFrequency(point.Q, point.frequency), before,
+    const auto linear = linearAt(point.parameter);
+    const auto nonlinear = balance_.calcNonlinear(point.Q, frequencyAt(point.parameter));
+    const Step step = solveBordered(linear, nonlinear, differentiateByParameter(point.Q, point.parameter), before,
                                     Eigen::VectorXd::Zero(point.Q.size()), 1);
     point.along_Q = step.Q / amplitude_unit_;
-    point.along_frequency = step.frequency / frequency_unit_;
-    const double length = std::hypot(point.along_Q.norm(), point.along_frequency);
+    point.along_parameter = step.parameter / parameter_unit_;
+    const double length = std::hypot(point.along_Q.norm(), point.along_parameter);
     point.along_Q /= length;
-    point.along_frequency /= length;
+    point.along_parameter /= length;
 }
 
-std::string Continuation::follow(const std::function<bool(const CurvePoint&)>& visit) const {
-    CurvePoint point;
-    point.frequency = settings_.from;
-    point.Q = balance_.calcLinearMotion(balance_.calcLinear(settings_.from));
-    if (!solveAt(settings_.from, point.Q)) return "no periodic motion was found at the start of the band";
-    CurvePoint upwards = point;
-    upwards.along_Q = Eigen::VectorXd::Zero(point.Q.size());
-    upwards.along_frequency = 1;
+CurvePoint Continuation::startAt(const Eigen::VectorXd& Q, double parameter) const {
+    CurvePoint point, upwards;
+    point.Q = upwards.Q = Q;
+    point.parameter = upwards.parameter = parameter;
+    upwards.along_Q = Eigen::VectorXd::Zero(Q.size());
+    upwards.along_parameter = 1;
     setTangent(upwards, point);
+    return point;
+}
 
-    const double band = (settings_.to - settings_.from) / frequency_unit_;
-    const double longest = settings_.longest_step * band, longest_Q = 20 * settings_.longest_step;
+double Continuation::distance(const CurvePoint& a, const CurvePoint& b) const {
+    return std::hypot((a.Q - b.Q).norm() / amplitude_unit_, (a.parameter - b.parameter) / parameter_unit_);
+}
+
+bool Continuation::findStart(Eigen::VectorXd& Q) const {
+    Q = balance_.calcLinearMotion(linearAt(settings_.from));
+    if (solveAt(settings_.from, Q)) return true;
+    if (fixed_) return false;
+    // Stops are touched already there: up from a level at which none is.
+    ContinuationSettings settings;
+    settings.from = 0.01;
+    settings.to = 1;
+    settings.at_frequency = settings_.from;
+    const Continuation levels(balance_, settings);
+    levels.follow([&Q](const CurvePoint& point) {
+        Q = point.Q;
+        return true;
+    });
+    return solveAt(settings_.from, Q);
+}
+
+std::string Continuation::follow(const Visit& visit) const {
+    Eigen::VectorXd Q;
+    if (!findStart(Q)) return "no periodic motion was found at the start of the band";
+    return walk(startAt(Q, settings_.from), visit, nullptr);
+}
+
+std::string Continuation::followFrom(const Eigen::VectorXd& Q, double parameter, const Visit& visit) const {
+    const CurvePoint start = startAt(Q, parameter);
+    std::vector<CurvePoint> forth, back;
+    const auto collect = [](std::vector<CurvePoint>& points) {
+        return [&points](const CurvePoint& point) {
+            points.push_back(point);
+            return true;
+        };
+    };
+    bool closed = false;
+    std::string incomplete = walk(start, collect(forth), &closed);
+    if (!closed) {
+        CurvePoint turned = start;
+        turned.along_Q *= -1;
+        turned.along_parameter *= -1;
+        const std::string other = walk(turned, collect(back), nullptr);
+        if (incomplete.empty()) incomplete = other;
+    }
+    const double behind = back.empty() ? 0 : back.back().length;
+    for (auto point = back.rbegin(); point != back.rend(); ++point) {
+        if (point + 1 == back.rend()) break;  // the start, which comes next
+        point->length = behind - point->length;
+        point->along_Q *= -1;
+        point->along_parameter *= -1;
+        if (!visit(*point)) return incomplete;
+    }
+    for (CurvePoint& point : forth) {
+        point.length += behind;
+        if (!visit(point)) return incomplete;
+    }
+    return incomplete;
+}
+
+std::string Continuation::walk(CurvePoint point, const Visit& visit, bool* closed) const {
+    const CurvePoint start = point;
+    const double range = (settings_.to - settings_.from) / parameter_unit_;
+    const double longest = settings_.longest_step * range, longest_Q = 20 * settings_.longest_step;
     constexpr double shortest = 1e-7, straight = 0.95, growth = 1.6, shrink = 0.5;
     constexpr int quick = 4, slow = 7;
     double step = longest;
     for (int count = 0; count < settings_.most_points; ++count) {
         if (!visit(point)) return {};
-        if (point.frequency > settings_.to || (count > 0 && point.frequency < settings_.from)) return {};
+        if (point.parameter > settings_.to || (count > 0 && point.parameter < settings_.from)) return {};
         while (true) {
             if (step < shortest) {
                 char text[120];
-                std::snprintf(text, sizeof text, "the curve could not be followed beyond %.6g Hz", point.frequency);
+                std::snprintf(text, sizeof text, "the curve could not be followed beyond %.6g %s", point.parameter,
+                              fixed_ ? "of the level" : "Hz");
                 return text;
             }
             // No longer than either unit allows.
-            const double length = std::min({step, longest / std::max(std::abs(point.along_frequency), 1e-12),
+            const double length = std::min({step, longest / std::max(std::abs(point.along_parameter), 1e-12),
                                             longest_Q / std::max(point.along_Q.cwiseAbs().maxCoeff(), 1e-12)});
             CurvePoint next;
             next.Q = point.Q + length * amplitude_unit_ * point.along_Q;
-            next.frequency = point.frequency + length * frequency_unit_ * point.along_frequency;
+            next.parameter = point.parameter + length * parameter_unit_ * point.along_parameter;
             const int iterations = correct(point, next);
             if (iterations > 0) {
                 setTangent(point, next);
-                const double turn = next.along_Q.dot(point.along_Q) + next.along_frequency * point.along_frequency;
+                const double turn = next.along_Q.dot(point.along_Q) + next.along_parameter * point.along_parameter;
                 if (turn > straight) {
-                    next.length = point.length + std::hypot((next.Q - point.Q).norm() / amplitude_unit_,
-                                                            (next.frequency - point.frequency) / frequency_unit_);
+                    const double covered = distance(next, point);
+                    next.length = point.length + covered;
+                    // A chord passes the start no farther off than it bends.
+                    if (closed != nullptr && count > 3 &&
+                        distance(point, start) + distance(start, next) < 1.1 * covered) {
+                        *closed = true;
+                        CurvePoint end = start;
+                        end.length = point.length + distance(point, start);
+                        visit(end);
+                        return {};
+                    }
                     point = std::move(next);
                     if (iterations <= quick) step = std::min(growth * std::max(step, length), 10 * longest);
                     if (iterations >= slow) step *= shrink;

@@ -1,14 +1,16 @@
 /// @file
-/// Following the solutions of a harmonic balance over frequency, around its folds: pseudo-arclength continuation.
+/// Following the solutions of a harmonic balance over the frequency, or over the level at one frequency, around folds:
+/// pseudo-arclength continuation.
 ///
-/// A step goes along the tangent of the curve (Q, f) and comes back to it by Newton's method across the tangent; both
-/// are counted in units of a typical amplitude and of a tenth of the band. Axes whose law adds nothing along the motion
-/// are eliminated, so that only stops that are touched cost. Source: Keller (1977); Allgower, Georg, Introduction to
-/// Numerical Continuation Methods (2003), doi:10.1137/1.9780898719154.
+/// A step goes along the tangent of the curve (Q, p) and comes back to it by Newton's method across the tangent; both
+/// are counted in units of a typical amplitude and of a tenth of the range of p. Axes whose law adds nothing along the
+/// motion are eliminated, so that only stops that are touched cost. Source: Keller (1977); Allgower, Georg,
+/// Introduction to Numerical Continuation Methods (2003), doi:10.1137/1.9780898719154.
 #pragma once
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "models/periodic/harmonic_balance.hpp"
@@ -16,17 +18,19 @@
 namespace wems {
 
 struct ContinuationSettings {
-    double from = 0, to = 0;          ///< Hz; the curve starts at `from` and ends where it leaves the band
-    double longest_step = 1.0 / 150;  ///< of the band, in frequency; as much of the typical amplitude times 20
+    double from = 0, to = 0;  ///< of the parameter: Hz, or levels as factors of the system's input
+    /// Hz; then the parameter is the level, at this frequency. Absent: the parameter is the frequency.
+    std::optional<double> at_frequency = std::nullopt;
+    double longest_step = 1.0 / 150;  ///< of the range, in the parameter; as much of the typical amplitude times 20
     int most_points = 4000;
 };
 
-/// A solution and the direction in which the curve goes on, in units of the typical amplitude and a tenth of the band.
+/// A solution and the direction in which the curve goes on, in units of the typical amplitude and a tenth of the range.
 struct CurvePoint {
     Eigen::VectorXd Q;        ///< m
-    double frequency = 0;     ///< Hz
-    Eigen::VectorXd along_Q;  ///< with along_frequency of length 1
-    double along_frequency = 0;
+    double parameter = 0;     ///< Hz, or -
+    Eigen::VectorXd along_Q;  ///< with along_parameter of length 1
+    double along_parameter = 0;
     double length = 0;  ///< of the curve up to here
 };
 
@@ -34,33 +38,47 @@ class Continuation {
 public:
     Continuation(const HarmonicBalance& balance, const ContinuationSettings& settings);
 
-    double frequencyUnit() const { return frequency_unit_; }  ///< Hz
+    double parameterUnit() const { return parameter_unit_; }  ///< Hz, or -
     double amplitudeUnit() const { return amplitude_unit_; }  ///< m
 
-    /// Calls `visit` with every point; it returns false to stop. @return why the curve ends before it has crossed the
-    /// band; empty if it has
-    std::string follow(const std::function<bool(const CurvePoint&)>& visit) const;
+    /// Calls `visit` with every point; it returns false to stop.
+    using Visit = std::function<bool(const CurvePoint&)>;
+    /// From the linear response at `from` on. @return why the curve ends before it has crossed the range; empty if it
+    /// has
+    std::string follow(const Visit& visit) const;
+    /// From a solution on, both ways unless the curve comes back to it. The points come in the order of the curve.
+    /// @return as above; empty also if the curve is closed
+    std::string followFrom(const Eigen::VectorXd& Q, double parameter, const Visit& visit) const;
 
-    /// Newton at a fixed frequency from Q on. @return whether it converged
-    bool solveAt(double frequency, Eigen::VectorXd& Q) const;
+    /// Newton at a fixed parameter from Q on. @return whether it converged
+    bool solveAt(double parameter, Eigen::VectorXd& Q) const;
 
 private:
     struct Step {
         Eigen::VectorXd Q;
-        double frequency;
+        double parameter;
     };
-    /// Solves J δQ + r δf = right_Q, w·(δQ, δf) = right_f, the border w in units.
+    double frequencyAt(double parameter) const { return settings_.at_frequency.value_or(parameter); }
+    HarmonicBalance::Linear linearAt(double parameter) const;
+    /// Solves J δQ + r δp = right_Q, w·(δQ, δp) = right_p, the border w in units.
     Step solveBordered(const HarmonicBalance::Linear& linear, const HarmonicBalance::Nonlinear& nonlinear,
-                       const Eigen::VectorXd& by_frequency, const CurvePoint& border, const Eigen::VectorXd& right_Q,
-                       double right_f) const;
-    Eigen::VectorXd calcResidual(const Eigen::VectorXd& Q, double frequency) const;
-    Eigen::VectorXd differentiateByFrequency(const Eigen::VectorXd& Q, double frequency) const;
+                       const Eigen::VectorXd& by_parameter, const CurvePoint& border, const Eigen::VectorXd& right_Q,
+                       double right_p) const;
+    Eigen::VectorXd calcResidual(const Eigen::VectorXd& Q, double parameter) const;
+    Eigen::VectorXd differentiateByParameter(const Eigen::VectorXd& Q, double parameter) const;
+    /// The linear response at the start of the range, or what follows from it at growing level.
+    bool findStart(Eigen::VectorXd& Q) const;
+    CurvePoint startAt(const Eigen::VectorXd& Q, double parameter) const;
     void setTangent(const CurvePoint& before, CurvePoint& point) const;
     int correct(const CurvePoint& border, CurvePoint& point) const;
+    double distance(const CurvePoint& a, const CurvePoint& b) const;
+    /// @param[out] closed whether the curve came back to where it began
+    std::string walk(CurvePoint point, const Visit& visit, bool* closed) const;
 
     const HarmonicBalance& balance_;
     ContinuationSettings settings_;
-    double frequency_unit_, amplitude_unit_;
+    std::optional<HarmonicBalance::Linear> fixed_;  // at the one frequency, level 1
+    double parameter_unit_, amplitude_unit_;
 };
 
 }  // namespace wems

@@ -1,12 +1,13 @@
 #include "models/periodic/response_curve.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/periodic/continuation.hpp"
+#include "models/periodic/detached_curves.hpp"
 #include "models/pi.hpp"
 
 namespace wems {
@@ -70,6 +71,62 @@ double evaluateCubic(double f0, double f1, double slope0, double slope1, double 
     return f0 + a * u + (3 * d - 2 * a - b) * u * u + (a + b - 2 * d) * u * u * u;
 }
 
+/// Points, folds and bifurcations of one curve from its solutions.
+class CurveMeasurer {
+public:
+    CurveMeasurer(const PeriodicSystem& system, const HarmonicBalance& balance, const Continuation& continuation,
+                  const ResponseSettings& settings)
+        : system_(system),
+          balance_(balance),
+          continuation_(continuation),
+          period_(system.linear(), settings.harmonics),
+          stability_(settings.stability) {
+        curve.harmonics = settings.harmonics;
+    }
+
+    void add(const CurvePoint& now) {
+        ResponsePoint point;
+        point.frequency = now.parameter;
+        period_.measure(balance_.calcMotion(now.Q, now.parameter), point);
+        findPenetration(system_, point);
+        if (stability_) {
+            const Eigen::VectorXcd multipliers = calcFloquetMultipliers(balance_, now.Q, now.parameter);
+            point.largest_multiplier = std::abs(multipliers[0]);
+            point.instability = findInstability(multipliers);
+        }
+        if (!curve.points.empty()) addChanges(now, point);
+        curve.points.push_back(std::move(point));
+        before_ = now;
+    }
+
+    ResponseCurve curve;
+
+private:
+    void addChanges(const CurvePoint& now, const ResponsePoint& point) {
+        const ResponsePoint& last = curve.points.back();
+        if (before_.along_parameter * now.along_parameter < 0) {
+            const double unit = continuation_.parameterUnit(), length = now.length - before_.length;
+            const double slope0 = unit * before_.along_parameter, slope1 = unit * now.along_parameter;
+            const double u = findTurn(before_.parameter, now.parameter, slope0, slope1, length);
+            curve.folds.push_back({evaluateCubic(before_.parameter, now.parameter, slope0, slope1, length, u),
+                                   (1 - u) * last.amplitude + u * point.amplitude});
+        }
+        const bool was = last.instability != Instability::none, is = point.instability != Instability::none;
+        if (was == is) return;
+        const double u =
+            std::clamp((1 - last.largest_multiplier) / (point.largest_multiplier - last.largest_multiplier), 0.0, 1.0);
+        curve.bifurcations.push_back(
+            {(1 - u) * last.frequency + u * point.frequency, is ? point.instability : last.instability});
+    }
+
+    const PeriodicSystem& system_;
+    const HarmonicBalance& balance_;
+    const Continuation& continuation_;
+    PeriodOfMotion period_;
+    bool stability_;
+    CurvePoint before_;
+};
+
 }  // namespace
 
 bool ResponsePoint::touchesStop() const {
@@ -82,7 +139,7 @@ ResponseCurve calcResponseCurve(const MountModel& model, const HarmonicInput& in
     constexpr int most_harmonics = 100;
     if (settings.harmonics < 1 || settings.harmonics > most_harmonics)
         throw InputError({"", 0, "harmonics"}, "is " + std::to_string(settings.harmonics), "1 to 100");
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock();
     const PeriodicSystem system(model, input);
     if (system.calcForce(settings.from).isZero(0))
         throw InputError({"", 0, "level"}, "moves nothing in this model", "an input that acts on it");
@@ -91,33 +148,32 @@ ResponseCurve calcResponseCurve(const MountModel& model, const HarmonicInput& in
     path.from = settings.from;
     path.to = settings.to;
     const Continuation continuation(balance, path);
-    const PeriodOfMotion period(system.linear(), settings.harmonics);
-    ResponseCurve curve;
-    curve.harmonics = settings.harmonics;
-    CurvePoint before;
-    curve.incomplete = continuation.follow([&](const CurvePoint& now) {
-        ResponsePoint point;
-        point.frequency = now.frequency;
-        period.measure(balance.calcMotion(now.Q, now.frequency), point);
-        findPenetration(system, point);
-        if (settings.stability) {
-            const Eigen::VectorXcd multipliers = calcFloquetMultipliers(balance, now.Q, now.frequency);
-            point.largest_multiplier = std::abs(multipliers[0]);
-            point.instability = findInstability(multipliers);
-        }
-        if (!curve.points.empty() && before.along_frequency * now.along_frequency < 0) {
-            const double unit = continuation.frequencyUnit(), length = now.length - before.length;
-            const double slope0 = unit * before.along_frequency, slope1 = unit * now.along_frequency;
-            const double u = findTurn(before.frequency, now.frequency, slope0, slope1, length);
-            curve.folds.push_back({evaluateCubic(before.frequency, now.frequency, slope0, slope1, length, u),
-                                   (1 - u) * curve.points.back().amplitude + u * point.amplitude});
-        }
-        curve.points.push_back(std::move(point));
-        before = now;
-        if (settings.progress) settings.progress(now.frequency, static_cast<int>(curve.points.size()));
+    CurveMeasurer measurer(system, balance, continuation, settings);
+    std::vector<CurvePoint> known;
+    const std::string incomplete = continuation.follow([&](const CurvePoint& now) {
+        measurer.add(now);
+        known.push_back(now);
+        if (settings.progress) settings.progress(now.parameter, static_cast<int>(known.size()));
         return true;
     });
-    curve.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    ResponseCurve& curve = measurer.curve;
+    if (curve.points.empty())
+        throw InputError({"", 0, "response"}, incomplete, "a band that starts elsewhere, or a lower level");
+    curve.incomplete = incomplete;
+    if (settings.detached) {
+        std::vector<double> folds;
+        for (const ResponseFold& fold : curve.folds) folds.push_back(fold.frequency);
+        DetachedSearch search;
+        search.from = settings.from;
+        search.to = settings.to;
+        for (const DetachedCurve& detached : findDetachedCurves(balance, continuation, known, folds, search)) {
+            CurveMeasurer other(system, balance, continuation, settings);
+            for (const CurvePoint& point : detached.points) other.add(point);
+            other.curve.incomplete = detached.incomplete;
+            curve.detached.push_back(std::move(other.curve));
+        }
+    }
+    curve.seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     return curve;
 }
 

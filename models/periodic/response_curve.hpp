@@ -17,6 +17,7 @@ struct ResponseSettings {
     int harmonics = 15;
     bool stability = true;
     std::function<void(double frequency, int points)> progress;  ///< may be empty
+    bool detached = true;  ///< look for curves that are not connected with the low end of the band
 };
 
 /// Rows of the matrices: 3 · connections, x y z of each, displacement from rest, F axes.
@@ -36,16 +37,24 @@ struct ResponseFold {
     Eigen::VectorXd amplitude;  ///< m, as above, at the nearest point
 };
 
+/// Where stability changes.
+struct ResponseBifurcation {
+    double frequency = 0;  ///< Hz, where the largest multiplier passes the unit circle, between two points
+    Instability kind = Instability::none;
+};
+
 struct ResponseCurve {
     std::vector<ResponsePoint> points;  ///< along the curve
     std::vector<ResponseFold> folds;
+    std::vector<ResponseBifurcation> bifurcations;  ///< none where stability is not asked for
     std::string incomplete;  ///< why the curve ends before it has crossed the band; empty if it has
     int harmonics = 0;
-    double seconds = 0;  ///< of computing
+    double seconds = 0;  ///< of processor time
+    /// Curves that are not connected with this one within the band (detached_curves.hpp says which are found).
+    std::vector<ResponseCurve> detached;
 };
 
-/// Follows the curve from the lower end of the band to where it leaves it. Curves that are not connected to it
-/// (detached resonances) are not found.
+/// Follows the curve from the lower end of the band to where it leaves it, then looks for detached ones.
 /// @throws InputError as PeriodicSystem, or if the settings cannot be used
 ResponseCurve calcResponseCurve(const MountModel& model, const HarmonicInput& input, const ResponseSettings& settings);
 

@@ -1,6 +1,7 @@
 // The device in motion: two rigid parts whose motion is exaggerated about their rest position, elastomers between them,
 // stops at their (equally exaggerated) clearance, forces on the mobile part as arrows. Lengths are drawn in units of
 // the largest distance of a connection from the centre.
+const wemsSensorSize = 0.055;
 const wemsPinSize = 0.07, wemsPlate = 0.026, wemsLongestArrow = 0.9, wemsDisplayed = 0.16;
 
 // Everything that is drawn, and place(pose), which moves it.
@@ -15,13 +16,15 @@ class WemsDevice {
     this.mobile = new THREE.Group();
     this.root.add(this.fixed, this.mobile);
     this.materials = {};
-    for (const name of ["mobile", "fixed", "elastomer", "stop", "closed", "force"])
+    for (const name of ["mobile", "fixed", "elastomer", "stop", "closed", "force", "sensor", "ink"])
       this.materials[name] = new THREE.MeshLambertMaterial();
     this.materials.shell = new THREE.MeshLambertMaterial({ transparent: true, opacity: 0.3, depthWrite: false });
     this.ends = at.map(r => r.clone().sub(this.center).divideScalar(this.size));
     this.addMobile();
     this.addFixed();
     this.addStops();
+    this.addShapes();
+    this.addSensors();
     this.arrows = this.ends.map(() => {
       const arrow = new THREE.Group();
       arrow.shaft = this.mesh(new THREE.CylinderBufferGeometry(0.017, 0.017, 1, 12), "force", arrow);
@@ -29,7 +32,9 @@ class WemsDevice {
       this.root.add(arrow);
       return arrow;
     });
-    const bounds = new THREE.Box3().setFromPoints(this.posts).expandByObject(this.fixed).expandByObject(this.mobile);
+    this.addScaleBar();
+    const bounds = new THREE.Box3().setFromPoints([...this.posts, ...this.scaleEnds]).expandByObject(this.fixed)
+      .expandByObject(this.mobile);
     this.bounds = bounds.getBoundingSphere(new THREE.Sphere());
     this.recolor();
   }
@@ -54,23 +59,31 @@ class WemsDevice {
     return mesh;
   }
 
+  drawn(part) {
+    return this.data.shapes.filter(shape => shape.part === part);
+  }
+
+  // Without a drawing a stand-in: arms to the connections, a body at the centre of gravity.
   addMobile() {
-    const origin = new THREE.Vector3();
+    const origin = new THREE.Vector3(), standIn = this.drawn("mobile").length === 0;
     for (const end of this.ends) {
-      this.rod(0.04, "mobile", this.mobile, origin, end);
+      if (standIn) this.rod(0.04, "mobile", this.mobile, origin, end);
       const pin = this.mesh(new THREE.BoxBufferGeometry(2 * wemsPinSize, 2 * wemsPinSize, 2 * wemsPinSize), "mobile", this.mobile);
       pin.position.copy(end);
     }
     const cog = new THREE.Vector3(...this.data.cog).sub(this.center).divideScalar(this.size);
     const half = Math.min(0.35, Math.max(0.12, 0.6 * cog.length()));
-    if (cog.length() > 0.05) this.rod(0.06, "mobile", this.mobile, origin, cog);
-    const wheel = this.mesh(new THREE.CylinderBufferGeometry(0.5, 0.5, 2 * half, 48), "shell", this.mobile);
-    wheel.rotation.x = Math.PI / 2;
-    wheel.position.copy(cog);
+    if (standIn) {
+      if (cog.length() > 0.05) this.rod(0.06, "mobile", this.mobile, origin, cog);
+      const wheel = this.mesh(new THREE.CylinderBufferGeometry(0.5, 0.5, 2 * half, 48), "shell", this.mobile);
+      wheel.rotation.x = Math.PI / 2;
+      wheel.position.copy(cog);
+    }
     this.mesh(new THREE.SphereBufferGeometry(0.06, 24, 16), "mobile", this.mobile).position.copy(cog);
   }
 
   addFixed() {
+    const standIn = this.drawn("fixed").length === 0;
     const base = new THREE.Vector3(0, 0, Math.min(...this.ends.map(end => end.z)) - 0.55);
     this.posts = this.ends.map(end => {
       // Beside the pin, as seen from the centre: stops are above, below and outside more often than there.
@@ -79,7 +92,7 @@ class WemsDevice {
       const top = end.clone().addScaledVector(beside.normalize(), 0.42);
       const foot = new THREE.Vector3(top.x, top.y, base.z);
       this.rod(0.035, "fixed", this.fixed, foot, new THREE.Vector3(top.x, top.y, end.z + 0.06));
-      this.rod(0.035, "fixed", this.fixed, base, foot);
+      if (standIn) this.rod(0.035, "fixed", this.fixed, base, foot);
       return top;
     });
     this.elastomers = this.ends.map(() => this.rod(0.045, "elastomer", this.root));
@@ -96,10 +109,88 @@ class WemsDevice {
     });
   }
 
+  // A point of a part's frame (m) in drawing units.
+  place3(at) {
+    return new THREE.Vector3(...at).sub(this.center).divideScalar(this.size);
+  }
+
+  addShapes() {
+    for (const shape of this.data.shapes) {
+      const material = shape.part === "fixed" ? "fixed" : shape.kind === "box" || shape.kind === "stl" ? "shell" : "mobile";
+      const mesh = this.mesh(this.shapeGeometry(shape), material, this[shape.part]);
+      const theta = new THREE.Vector3(...shape.theta), angle = theta.length();
+      if (angle > 0) mesh.quaternion.setFromAxisAngle(theta.divideScalar(angle), angle);
+      mesh.position.copy(this.place3(shape.at));
+      const edges = new THREE.LineSegments(new THREE.EdgesGeometry(mesh.geometry, 30), this.lines());
+      mesh.add(edges);
+    }
+  }
+
+  lines() {
+    this.materials.edge = this.materials.edge || new THREE.LineBasicMaterial();
+    return this.materials.edge;
+  }
+
+  shapeGeometry(shape) {
+    const [x, y, z] = shape.size.map(length => length / this.size);
+    if (shape.kind === "cylinder") return new THREE.CylinderBufferGeometry(x / 2, x / 2, z, 48).rotateX(Math.PI / 2);
+    if (shape.kind !== "stl") return new THREE.BoxBufferGeometry(x, y, z);
+    const geometry = new THREE.BufferGeometry(), { unit, values } = shape.corners;
+    const corners = new Float32Array(values.map(value => value * unit / this.size));
+    geometry.setAttribute("position", new THREE.BufferAttribute(corners, 3));
+    geometry.computeVertexNormals();
+    return geometry;
+  }
+
+  // On top of the pin where a sensor sits at a connection.
+  addSensors() {
+    const size = wemsSensorSize;
+    for (const sensor of this.data.sensors) {
+      const cube = this.mesh(new THREE.BoxBufferGeometry(size, size, size), "sensor", this[sensor.part]);
+      cube.position.copy(this.place3(sensor.at));
+      const end = this.ends.findIndex(other => other.distanceTo(cube.position) < wemsPinSize);
+      if (end < 0) continue;
+      if (sensor.part === "fixed") cube.position.copy(this.posts[end]);
+      cube.position.z += wemsPinSize + size / 2;
+    }
+  }
+
+  // A round length that is about half of the drawing's size; not exaggerated.
+  addScaleBar() {
+    const wanted = 0.6 * this.size, power = 10 ** Math.floor(Math.log10(wanted));
+    const length = power * [5, 2, 1].find(factor => factor * power <= wanted), half = length / this.size / 2;
+    const bounds = new THREE.Box3().setFromPoints(this.posts).expandByObject(this.fixed).expandByObject(this.mobile);
+    const y = bounds.min.y - 0.15, z = bounds.min.z;
+    this.rod(0.012, "ink", this.root, new THREE.Vector3(-half, y, z), new THREE.Vector3(half, y, z));
+    for (const end of [-half, half])
+      this.rod(0.012, "ink", this.root, new THREE.Vector3(end, y, z - 0.05), new THREE.Vector3(end, y, z + 0.05));
+    this.scaleText = length >= 1 ? +length.toPrecision(1) + " m" : +(1e3 * length).toPrecision(1) + " mm";
+    this.scaleLabel = new THREE.Sprite(new THREE.SpriteMaterial({ transparent: true, depthTest: false }));
+    this.scaleLabel.position.set(0, y, z - 0.16);
+    this.scaleLabel.scale.set(0.8, 0.2, 1);
+    this.root.add(this.scaleLabel);
+    this.scaleEnds = [new THREE.Vector3(0, y, z - 0.2)];
+  }
+
+  paintScaleLabel() {
+    const canvas = document.createElement("canvas"), context = canvas.getContext("2d");
+    canvas.width = 512;
+    canvas.height = 128;
+    context.font = "72px sans-serif";
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.fillStyle = this.colors.ink.getStyle();
+    context.fillText(this.scaleText, 256, 64);
+    this.scaleLabel.material.map = new THREE.CanvasTexture(canvas);
+    this.scaleLabel.material.needsUpdate = true;
+  }
+
   recolor() {
     const colors = wemsColors();
     for (const name in this.materials) this.materials[name].color.copy(colors[name] || colors.mobile);
+    if (this.materials.edge) this.materials.edge.color.copy(colors.ink);
     this.colors = colors;
+    this.paintScaleLabel();
   }
 
   // Pose of one part in drawing units, exaggerated.

@@ -1,5 +1,6 @@
 #include "models/report/motion_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "models/report/html_text.hpp"
@@ -41,6 +42,18 @@ std::string formatConnections(const MountModel& model) {
     return "connections:" + connections + "],stops:" + stops + "]";
 }
 
+std::string namePart(Part part) {
+    return part == Part::mobile ? "mobile" : "fixed";
+}
+
+std::string formatShape(const DrawnShape& shape) {
+    std::string text = "{part:\"" + namePart(shape.part) + "\",kind:\"" + nameShape(shape.kind) +
+                       "\",size:" + formatVector(shape.size) + ",at:" + formatVector(shape.position) +
+                       ",theta:" + formatVector(shape.rotation);
+    if (shape.kind == DrawnShape::Kind::stl) text += ",corners:" + formatRows(shape.scale * readStl(shape.path));
+    return text + "},";
+}
+
 std::string formatRun(const SceneRun& run) {
     std::string stations, closed;
     for (const MotionStation& station : run.stations)
@@ -62,10 +75,76 @@ std::string formatRun(const SceneRun& run) {
 
 }  // namespace
 
+std::vector<MotionStation> placeStations(Eigen::Index count, double interval, Eigen::Index wanted,
+                                         const std::function<double(Eigen::Index)>& time,
+                                         const std::function<double(Eigen::Index)>& hertz,
+                                         std::vector<Eigen::Index>& samples) {
+    constexpr Eigen::Index frames_per_station = 48;
+    constexpr double periods_per_station = 2;
+    constexpr double window_without_sine = 0.2;  // s
+    std::vector<MotionStation> stations;
+    for (Eigen::Index s = 0; s < wanted; ++s) {
+        const Eigen::Index middle = (2 * s + 1) * count / (2 * wanted);
+        MotionStation station;
+        station.hertz = hertz(middle);
+        const double window = station.hertz > 0 ? periods_per_station / station.hertz : window_without_sine;
+        const auto length = std::clamp<Eigen::Index>(std::lround(window / interval), 1, count);
+        const Eigen::Index stride = std::max<Eigen::Index>(1, length / frames_per_station);
+        const Eigen::Index first = std::clamp<Eigen::Index>(middle - length / 2, 0, count - length);
+        station.time = time(first);
+        station.period = static_cast<double>(stride) * interval;
+        station.from = static_cast<Eigen::Index>(samples.size());
+        for (Eigen::Index k = first; k < first + length; k += stride) samples.push_back(k);
+        station.count = static_cast<Eigen::Index>(samples.size()) - station.from;
+        stations.push_back(station);
+    }
+    return stations;
+}
+
+Eigen::VectorXi findClosedStops(const MountModel& model, const Eigen::Ref<const Eigen::VectorXd>& q) {
+    std::vector<int> closed;
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const AxisLaw& law = model.connections[i].axis[axis];
+            for (const Stop& stop : law.stops)
+                closed.push_back((stop.side == Side::positive ? 1 : -1) *
+                                             (q[static_cast<Eigen::Index>(3 * i + axis)] + law.offset) >
+                                         stop.clearance
+                                     ? 1
+                                     : 0);
+        }
+    return Eigen::Map<const Eigen::VectorXi>(closed.data(), static_cast<Eigen::Index>(closed.size()));
+}
+
+std::vector<SceneSensor> listSceneSensors(const Recording& recording, const MountModel& model) {
+    std::vector<SceneSensor> sensors;
+    for (const Channel& channel : recording.channels) {
+        const auto name = parseChannelName(channel.name);
+        if (!name || (name->part != Part::mobile && name->part != Part::fixed)) continue;
+        SceneSensor sensor{namePart(name->part) + "." + name->connection, name->part, {}};
+        const bool known = std::any_of(sensors.begin(), sensors.end(),
+                                       [&](const SceneSensor& other) { return other.name == sensor.name; });
+        if (known) continue;
+        const int place = model.placeIndex(*name);
+        const auto at = std::find_if(model.connections.begin(), model.connections.end(),
+                                     [&](const Connection& own) { return own.name == name->connection; });
+        if (place < 0 && at == model.connections.end()) continue;
+        sensor.position = place >= 0 ? model.places[static_cast<std::size_t>(place)].position : at->position;
+        sensors.push_back(std::move(sensor));
+    }
+    return sensors;
+}
+
 std::string formatScene(const MotionScene& scene) {
     std::string text = "{title:" + quoteScript(scene.title) +
                        ",cog:" + formatVector(scene.model.body.center_of_gravity) + "," +
-                       formatConnections(scene.model) + ",runs:[";
+                       formatConnections(scene.model) + ",shapes:[";
+    for (const DrawnShape& shape : scene.drawing) text += formatShape(shape);
+    text += "],sensors:[";
+    for (const SceneSensor& sensor : scene.sensors)
+        text += "{name:" + quoteScript(sensor.name) + ",part:\"" + namePart(sensor.part) +
+                "\",at:" + formatVector(sensor.position) + "},";
+    text += "],runs:[";
     for (const SceneRun& run : scene.runs) text += formatRun(run) + ",";
     return text + "]}";
 }

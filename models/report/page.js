@@ -66,6 +66,8 @@ function wemsLegend(plot, g) {
   });
 }
 
+const wemsPlots = [];  // all of the page, for whoever saves them by a script
+
 function wemsPlot(plot) {
   const format = v => Math.abs(v) >= 1e4 || (v !== 0 && Math.abs(v) < 1e-4) ? v.toExponential(1) : String(+v.toPrecision(4));
   const own = {};  // options of each series
@@ -79,6 +81,7 @@ function wemsPlot(plot) {
     axes: { x: { pixelsPerLabel: 45, axisLabelFormatter: format, valueFormatter: v => plot.x + " = " + format(v) },
             y: { axisLabelFormatter: format, valueFormatter: v => String(+v.toPrecision(5)), axisLabelWidth: 70 } },
   });
+  wemsPlots.push({ plot, g, format });
   const paintLegend = plot.series.length > 1 ? wemsLegend(plot, g) : () => {};
   paintLegend();
   wemsSaveControls(plot.title, [["SVG", () => wemsSave(plot.title, "svg", wemsSvg(plot, g, format), "image/svg+xml")],

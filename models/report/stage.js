@@ -38,7 +38,7 @@ function wemsColors() {
   const style = getComputedStyle(document.documentElement);
   const read = name => new THREE.Color(style.getPropertyValue(name).trim());
   return { ink: read("--ink"), paper: read("--paper"), mobile: read("--mobile"), fixed: read("--fixed"),
-           elastomer: read("--elastomer"), stop: read("--stop"), closed: read("--closed"), force: read("--force") };
+           elastomer: read("--elastomer"), stop: read("--stop"), closed: read("--closed"), force: read("--force"), sensor: read("--sensor") };
 }
 
 // A canvas in a figure, what it shows in words, and a camera that turns when it is dragged. It is drawn again whenever

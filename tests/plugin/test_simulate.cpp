@@ -57,6 +57,11 @@ TEST_CASE("wrong usage of simulate: one line, exit status 2, no file") {
         {smallsat, "--half-sine", "0.011:1", "--rate", "4", "--force", "z=1"},
         {smallsat, "--half-sine", "0.011:1", "--fade", "0.001", "--force", "z=1"},
         {smallsat, "--half-sine", "0.011:1", "--dwell", "5:1", "--force", "z=1"},
+        {smallsat, "--sawtooth", "0.011", "--force", "z=1"},
+        {smallsat, "--dwell", "5:1", "--force", "z=1", "--downwards"},
+        {smallsat, "--dwell", "5:1", "--force", "z=1", "--q", "10"},
+        {smallsat, "--profile", "no_such_file.csv", "--force", "z"},
+        {smallsat, "--srs", "no_such_file.csv", "--base-acceleration", "z"},
         {smallsat, "--from-csv", "no_such_file.csv"},
         {"no_such_model.toml", "--dwell", "5:1", "--force", "z=1"},
         {single_axis, "--dwell", "5:1", "--force", "z=1"},  // no bracket: nothing that the force could move
@@ -91,6 +96,71 @@ TEST_CASE("a sample rate that cannot show the excitation is said, one that can i
         CHECK(result.exit_status == 0);
         CHECK((result.errors.find("less than two samples") != std::string::npos) == low);
     }
+}
+
+TEST_CASE("the sampling rate follows a fast excitation; a contact of too few samples is said") {
+    const TemporaryDirectory folder;
+    const auto fast =
+        runProgram(SIMULATE_PROGRAM,
+                   {single_axis, "--dwell", "900:0.05", "--base-acceleration", "z=1", "-o", "run.csv"}, folder.path());
+    CHECK_THAT(fast.errors, Catch::Contains("recorded at 5000 Hz"));
+    CHECK(readFrom(folder, "run.csv").sampleCount() == 251);
+    for (const bool low : {true, false}) {
+        const auto result = runProgram(
+            SIMULATE_PROGRAM,
+            {single_axis, "--dwell", "20:1", "--base-acceleration", "z=15", "--sample-rate", low ? "100" : "2000"},
+            folder.path());
+        CAPTURE(low, result.errors);
+        CHECK(result.exit_status == 0);
+        CHECK((result.errors.find("samples at a time") != std::string::npos) == low);
+    }
+}
+
+TEST_CASE("a sweep by a profile: the base moves as its rows say, in a notch less") {
+    const TemporaryDirectory folder;
+    folder.write("profile.csv", "from [Hz],to [Hz],level\n5,60,2mm\n5,60,1g\n25,35,0.2g\n");
+    const std::vector<std::string> arguments{single_axis,           "--profile", "profile.csv", "--rate", "120",
+                                             "--base-acceleration", "z",         "-o",          "run.csv"};
+    const auto result = runProgram(SIMULATE_PROGRAM, arguments, folder.path());
+    INFO(result.errors);
+    REQUIRE(result.exit_status == 0);
+    const Recording recording = readFrom(folder, "run.csv");
+    const auto& base = recording.find("base.az")->values;
+    const auto largest = [&](double from, double to) {  // two octaves a second
+        double value = 0;
+        for (std::size_t k = 0; k < recording.sampleCount(); ++k) {
+            const double f = 5 * std::exp2(2 * recording.time[k]);
+            if (f > from && f < to) value = std::max(value, std::abs(base[k]));
+        }
+        return value;
+    };
+    constexpr double g = 9.80665;
+    CHECK(largest(8, 10) == Approx(2e-3 * std::pow(wems::kTwoPi * 9.8, 2)).epsilon(0.06));  // peaks come every period
+    CHECK(largest(16, 24) == Approx(g).epsilon(0.03));
+    CHECK(largest(26, 34) == Approx(0.2 * g).epsilon(0.03));
+    CHECK(largest(37, 59) == Approx(g).epsilon(0.03));
+    CHECK_THAT(recording.metadata.at("excitation"), Catch::Contains("level changes at 11.15, 25, 35 Hz"));
+
+    auto half = arguments;
+    half[6] = "z=0.5";
+    REQUIRE(runProgram(SIMULATE_PROGRAM, half, folder.path()).exit_status == 0);
+    CHECK(readFrom(folder, "run.csv").find("base.az")->values[300] == Approx(0.5 * base[300]));
+    half[6] = "z=0.5g";
+    CHECK(runProgram(SIMULATE_PROGRAM, half, folder.path()).exit_status == 2);
+}
+
+TEST_CASE("a shock by its response spectrum is recorded, and the base comes back") {
+    const TemporaryDirectory folder;
+    folder.write("srs.csv", "20,5\n100,20\n200,20\n");
+    const auto result =
+        runProgram(SIMULATE_PROGRAM, {single_axis, "--srs", "srs.csv", "--base-acceleration", "z", "-o", "run.csv"},
+                   folder.path());
+    INFO(result.errors);
+    REQUIRE(result.exit_status == 0);
+    const Recording recording = readFrom(folder, "run.csv");
+    CHECK_THAT(recording.metadata.at("excitation"), Catch::Contains("response spectrum of srs.csv, Q 10, met within"));
+    CHECK(std::abs(recording.find("fixed.mount.z")->values.front()) < 1e-12);
+    CHECK(std::abs(recording.find("fixed.mount.z")->values.back()) < 1e-6);
 }
 
 TEST_CASE("help shows an example, version a version") {
@@ -193,9 +263,10 @@ TEST_CASE("a random run that no memory holds is refused before the work") {
 TEST_CASE("an endless run is announced before the work, and ended within seconds") {
     const TemporaryDirectory folder;
     // log2(2000/0.001) octaves at 0.01 a minute: 125 589 s.
-    const auto shown = runProgram(
-        SIMULATE_PROGRAM, {smallsat, "--sweep", "0.001:2000", "--rate", "0.01", "--force", "z=1", "--time-limit", "1"},
-        folder.path());
+    const auto shown = runProgram(SIMULATE_PROGRAM,
+                                  {smallsat, "--sweep", "0.001:2000", "--rate", "0.01", "--force", "z=1",
+                                   "--sample-rate", "1000", "--time-limit", "1"},
+                                  folder.path());
     CAPTURE(shown.errors);
     CHECK(shown.exit_status == 2);
     const auto announced = shown.errors.find("samples of"), ended = shown.errors.find("the whole run would take");

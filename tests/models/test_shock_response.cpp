@@ -3,11 +3,10 @@
 #include <cmath>
 #include <complex>
 
-#include "identify/spectra/shock_response.hpp"
 #include "models/pi.hpp"
+#include "models/shock_response.hpp"
 
 using namespace wems;
-using namespace wems::identify;
 using Complex = std::complex<double>;
 
 namespace {

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace wems::identify {
+namespace wems {
 
 /// For each natural frequency the largest absolute acceleration of a mass on spring and dashpot whose base moves as
 /// recorded, during the record and for one period after it.
@@ -25,4 +25,4 @@ ShockResponse calcShockResponse(const Eigen::VectorXd& acceleration, double inte
 /// `per_octave` frequencies an octave, from `from` up to at most `to`, Hz.
 std::vector<double> makeOctaves(double from, double to, int per_octave);
 
-}  // namespace wems::identify
+}  // namespace wems

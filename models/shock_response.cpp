@@ -1,11 +1,11 @@
-#include "identify/spectra/shock_response.hpp"
+#include "models/shock_response.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "models/pi.hpp"
 
-namespace wems::identify {
+namespace wems {
 
 ShockResponse calcShockResponse(const Eigen::VectorXd& acceleration, double interval,
                                 const std::vector<double>& frequency, double quality) {
@@ -49,4 +49,4 @@ std::vector<double> makeOctaves(double from, double to, int per_octave) {
     }
 }
 
-}  // namespace wems::identify
+}  // namespace wems
