@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "identify/cli/command.hpp"
+#include "identify/cli/compare_pictures.hpp"
 #include "identify/cli/recordings.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
@@ -83,6 +84,22 @@ std::string describeError(const Comparison& comparison) {
     return text;
 }
 
+/// One sentence with engineering units.
+std::string makeHeadline(const Comparison& comparison) {
+    const ChannelError* worst = nullptr;
+    double squares = 0;
+    for (const ChannelError& channel : comparison.channels) {
+        squares += channel.rms * channel.rms;
+        if (worst == nullptr || channel.share > worst->share) worst = &channel;
+    }
+    const double off = comparison.error * std::sqrt(squares / static_cast<double>(comparison.channels.size()));
+    std::string text = "The simulation is off by " + formatNumber(1e3 * off, 3) + " mm RMS, " +
+                       formatHundredths(comparison.error) + " % of the measured relative displacement";
+    if (worst != nullptr && worst->share > 0)
+        text += "; " + formatHundredths(worst->share) + " % of the squared error sits at " + worst->name;
+    return text + ".";
+}
+
 Table makeTable(const Comparison& comparison) {
     const bool regimes = comparison.free || comparison.contact;
     std::vector<std::string> header{"channel", "RMS [mm]", "error [%]", "share [%]"};
@@ -109,7 +126,8 @@ Table makeTable(const Comparison& comparison) {
 
 void writeReport(const Comparison& comparison, const CompareOptions& options, OutputFiles& outputs) {
     HtmlReport page("Comparison of " + options.simulated + " with " + options.measured);
-    page.addLead(describeError(comparison));
+    page.addLead(makeHeadline(comparison));
+    page.addText(describeError(comparison) + ".");
     const Table table = makeTable(comparison);
     page.addTable(table.header(), table.rows());
     page.addText(
@@ -137,6 +155,7 @@ void writeReport(const Comparison& comparison, const CompareOptions& options, Ou
     if (!left_out.empty())
         page.addText("Not drawn, as they hold less than " + formatHundredths(kLeastShareDrawn) +
                      " % of the error:" + left_out);
+    addComparedMotions(page, comparison);
     if (!comparison.notes.empty()) page.addHeading("How the motion was obtained");
     page.addList(comparison.notes);
     page.write(options.common.report_file, outputs);

@@ -11,9 +11,6 @@ namespace {
 
 constexpr Eigen::Index all_stations = 240;                         // of all runs together, so that the page stays small
 constexpr Eigen::Index fewest_stations = 10, most_stations = 120;  // of each run
-constexpr Eigen::Index frames_per_station = 48;
-constexpr double periods_per_station = 2;
-constexpr double window_without_sine = 0.2;  // s
 
 /// Swept frequency (Hz) at a time; NaN where there is none.
 double findHertz(const Recording& recording, const SweptFrequency& swept, double time) {
@@ -21,30 +18,6 @@ double findHertz(const Recording& recording, const SweptFrequency& swept, double
     const auto next = std::lower_bound(recording.time.begin(), recording.time.end(), time);
     const auto sample = std::min<std::ptrdiff_t>(next - recording.time.begin(), swept.hertz.size() - 1);
     return swept.hertz(sample);
-}
-
-/// Stations at equal times; neighbours may overlap in a short run.
-std::vector<MotionStation> placeStations(const RunMotion& run, const Recording& recording, Eigen::Index wanted,
-                                         std::vector<Eigen::Index>& samples) {
-    const SweptFrequency swept = findSweptFrequency(recording);
-    const auto available = static_cast<Eigen::Index>(run.time.size());
-    std::vector<MotionStation> stations;
-    for (Eigen::Index s = 0; s < wanted; ++s) {
-        const Eigen::Index middle = (2 * s + 1) * available / (2 * wanted);
-        MotionStation station;
-        station.hertz = findHertz(recording, swept, run.time[static_cast<std::size_t>(middle)]);
-        const double window = station.hertz > 0 ? periods_per_station / station.hertz : window_without_sine;
-        const auto length = std::clamp<Eigen::Index>(std::lround(window / run.interval), 1, available);
-        const Eigen::Index stride = std::max<Eigen::Index>(1, length / frames_per_station);
-        const Eigen::Index first = std::clamp<Eigen::Index>(middle - length / 2, 0, available - length);
-        station.time = run.time[static_cast<std::size_t>(first)];
-        station.period = static_cast<double>(stride) * run.interval;
-        station.from = static_cast<Eigen::Index>(samples.size());
-        for (Eigen::Index k = first; k < first + length; k += stride) samples.push_back(k);
-        station.count = static_cast<Eigen::Index>(samples.size()) - station.from;
-        stations.push_back(station);
-    }
-    return stations;
 }
 
 Eigen::MatrixXd pickPose(const PartMotion& part, const std::vector<Eigen::Index>& samples) {
@@ -57,36 +30,27 @@ Eigen::MatrixXd pickPose(const PartMotion& part, const std::vector<Eigen::Index>
     return pose;
 }
 
-bool isClosed(const AxisLaw& law, const Stop& stop, double q) {
-    return (stop.side == Side::positive ? 1 : -1) * (q + law.offset) > stop.clearance;
-}
-
 SceneRun makeRun(const RunMotion& run, const Recording& recording, const MountModel& model, Eigen::Index wanted) {
     SceneRun scene;
     scene.name = run.file;
     std::vector<Eigen::Index> samples;
-    scene.stations = placeStations(run, recording, wanted, samples);
+    const SweptFrequency swept = findSweptFrequency(recording);
+    const auto timeOf = [&](Eigen::Index k) { return run.time[static_cast<std::size_t>(k)]; };
+    scene.stations = placeStations(
+        static_cast<Eigen::Index>(run.time.size()), run.interval, wanted, timeOf,
+        [&](Eigen::Index k) { return findHertz(recording, swept, timeOf(k)); }, samples);
     scene.mobile = pickPose(run.mobile, samples);
     scene.fixed = pickPose(run.fixed, samples);
 
     const RelativeHistory relative = calcRelativeHistory(run, model);
     const RowMatrix force = calcForceHistory(model, relative, run.time);
-    std::vector<std::pair<Eigen::Index, const Stop*>> stops;  // column of q
-    for (std::size_t i = 0; i < model.connections.size(); ++i)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            for (const Stop& stop : model.connections[i].axis[axis].stops)
-                stops.emplace_back(static_cast<Eigen::Index>(3 * i + axis), &stop);
     scene.force.resize(force.cols(), static_cast<Eigen::Index>(samples.size()));
-    scene.closed.resize(static_cast<Eigen::Index>(stops.size()), scene.force.cols());
     for (Eigen::Index frame = 0; frame < scene.force.cols(); ++frame) {
         const Eigen::Index k = samples[static_cast<std::size_t>(frame)];
         scene.force.col(frame) = -force.row(k).transpose();
-        for (std::size_t s = 0; s < stops.size(); ++s) {
-            const auto [column, stop] = stops[s];
-            const AxisLaw& law =
-                model.connections[static_cast<std::size_t>(column / 3)].axis[static_cast<std::size_t>(column % 3)];
-            scene.closed(static_cast<Eigen::Index>(s), frame) = isClosed(law, *stop, relative.q(k, column)) ? 1 : 0;
-        }
+        const Eigen::VectorXi closed = findClosedStops(model, relative.q.row(k).transpose());
+        scene.closed.conservativeResize(closed.size(), scene.force.cols());
+        scene.closed.col(frame) = closed;
     }
     return scene;
 }
@@ -94,21 +58,24 @@ SceneRun makeRun(const RunMotion& run, const Recording& recording, const MountMo
 }  // namespace
 
 MotionScene makeDeviceScene(const std::vector<RunMotion>& runs, const std::vector<Recording>& recordings,
-                            const MountModel& model) {
+                            const MountModel& model, const std::vector<DrawnShape>& drawing) {
     MotionScene scene;
+    scene.drawing = drawing;
     scene.title = "Recorded motion, exaggerated";
     scene.model = model;
     if (runs.empty()) return scene;
+    scene.sensors = listSceneSensors(recordings.front(), model);
     const auto wanted =
         std::clamp(all_stations / static_cast<Eigen::Index>(runs.size()), fewest_stations, most_stations);
     for (std::size_t r = 0; r < runs.size(); ++r) scene.runs.push_back(makeRun(runs[r], recordings[r], model, wanted));
     return scene;
 }
 
-MotionScene makeDeviceScene(const std::vector<Recording>& recordings, const MountModel& model) {
+MotionScene makeDeviceScene(const std::vector<Recording>& recordings, const MountModel& model,
+                            const std::vector<DrawnShape>& drawing) {
     std::vector<RunMotion> runs;
     for (const Recording& recording : recordings) runs.push_back(estimateMotion(recording, model));
-    return makeDeviceScene(runs, recordings, model);
+    return makeDeviceScene(runs, recordings, model, drawing);
 }
 
 void addMotion(HtmlReport& page, const MotionScene& scene) {

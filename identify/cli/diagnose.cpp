@@ -87,7 +87,7 @@ void runDiagnose(DiagnoseArguments arguments) {
     if (!arguments.output.empty()) addFittedModel(model, diagnosis.extended, arguments.output, limited, outputs);
     if (!arguments.common.report_file.empty()) {
         progress->step("report");
-        writeDiagnosisReport(diagnosis, model, {identification, validation},
+        writeDiagnosisReport(diagnosis, model, {identification, validation, readDrawing(arguments.runs.model)},
                              model.name.empty() ? arguments.runs.model : model.name, arguments.common.report_file,
                              outputs);
     }

@@ -121,7 +121,7 @@ void addSpectrum(const Diagnosis& diagnosis, HtmlReport& page) {
     if (diagnosis.spectrum.frequency.empty()) return;
     Plot plot{"Misfit of the equations of motion, validation recordings",
               "frequency [Hz]",
-              "misfit per value",
+              "misfit per value [-]",
               {},
               false,
               true};
@@ -162,7 +162,7 @@ void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, c
         page.addText("What is left sits at: " + joinWords(diagnosis.unexplained_where, ", "));
     addCauses(diagnosis, page);
     addErrors(diagnosis, page);
-    addMotion(page, makeDeviceScene(runs.identification, diagnosis.extended));
+    addMotion(page, makeDeviceScene(runs.identification, diagnosis.extended, runs.drawing));
     addCurves(diagnosis, model, runs, page);
     addSpectrum(diagnosis, page);
     addAdjustments(diagnosis, page);

@@ -7,6 +7,7 @@
 
 #include "identify/diagnose/diagnosis.hpp"
 #include "models/atomic_file.hpp"
+#include "models/device_drawing.hpp"
 #include "models/recording/recording.hpp"
 
 namespace wems::identify::cli {
@@ -14,6 +15,7 @@ namespace wems::identify::cli {
 struct DiagnosedRuns {
     const std::vector<Recording>& identification;
     const std::vector<Recording>& validation;  ///< may be empty
+    std::vector<DrawnShape> drawing;           ///< of the device
 };
 
 /// Verdict, errors, the runs in motion, causes with their ties, restoring forces and free simulations before and after,

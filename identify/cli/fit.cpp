@@ -97,7 +97,8 @@ void fitDevice(const FitCommandOptions& options, const MountModel& model, const 
     watch.lap("validation");
     if (!options.common.report_file.empty()) {
         progress->step("report");
-        writeFitReport({fit, model, runs, recordings, notes}, options.common.report_file, outputs);
+        writeFitReport({fit, model, runs, recordings, notes, readDrawing(options.runs.model)},
+                       options.common.report_file, outputs);
     }
     progress.reset();
     if (options.common.printsText()) {
@@ -149,6 +150,13 @@ void fitElement(const FitCommandOptions& options, const MountModel& model, const
     reportComponentFit(fit, options.common, outputs);
     if (options.common.report_file.empty()) return;
     HtmlReport page("Identified element: connection " + fit.connection + ", axis " + "xyz"[fit.axis]);
+    if (!fit.parameters.empty()) {
+        const ComponentParameter& first = fit.parameters.front();
+        const double radius = 0.5 * (first.upper - first.lower);
+        page.addLead(first.name + " is " + formatNumber(first.value, 4) +
+                     (std::isfinite(radius) && radius > 0 ? " +- " + formatNumber(radius, 2) : "") + " " + first.unit +
+                     ".");
+    }
     const Table table = tabulateParameters(fit.parameters);
     page.addTable(table.header(), table.rows());
     for (const Recording& recording : recordings) {

@@ -26,7 +26,7 @@ void addDirections(HtmlReport& page, const std::vector<ParameterDirection>& dire
         "deviations of what is left the equations change, all of them together, when the parameters change by their "
         "whole size along a direction. A direction is known if its standard error, errors of gains and positions "
         "included, is below 10 % (dashpots 20 %).");
-    Plot plot{"Singular values", "number", "standard deviations", {}, true, true};
+    Plot plot{"Singular values", "number [-]", "standard deviations [-]", {}, true, true};
     for (const bool known : {true, false}) {
         Series series{known ? "known" : "not known", {}, {}, true, known ? 0 : 1};
         for (std::size_t d = 0; d < directions.size(); ++d) {
@@ -118,7 +118,8 @@ void writeFitReport(const ReportedFit& reported, const std::string& file, Output
     addCurves(page, reported);
     for (std::size_t r = 0; r < std::min(kMostDrawn, reported.runs.size()); ++r)
         addRemainder(page, fit.remainders[r], reported.runs[r].file);
-    if (!reported.recordings.empty()) addMotion(page, makeDeviceScene(reported.runs, reported.recordings, fit.model));
+    if (!reported.recordings.empty())
+        addMotion(page, makeDeviceScene(reported.runs, reported.recordings, fit.model, reported.drawing));
     addDisplacementPlots(page, reported.runs);
     if (!reported.notes.empty()) page.addHeading("How the motion was obtained");
     page.addList(reported.notes);

@@ -8,6 +8,7 @@
 #include "identify/fit/fit.hpp"
 #include "identify/motion/motion.hpp"
 #include "models/atomic_file.hpp"
+#include "models/device_drawing.hpp"
 #include "models/recording/recording.hpp"
 
 namespace wems::identify::cli {
@@ -18,6 +19,7 @@ struct ReportedFit {
     const std::vector<RunMotion>& runs;
     const std::vector<Recording>& recordings;  ///< of the runs; none where the runs are blocks of long recordings
     const std::vector<std::string>& notes;
+    std::vector<DrawnShape> drawing;  ///< of the device
 };
 
 /// @throws InputError if the file cannot be written

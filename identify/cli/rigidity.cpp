@@ -116,7 +116,8 @@ void runRigidity(const RigidityOptions& options, bool limited, int& exit_status)
     const std::vector<std::string> sentences = makeSentences(rigidity, quality, recording);
     if (report) {
         progress->step("report", 0.6);
-        writeRigidityReport(rigidity, table, sentences, recording, model, options.common.report_file, outputs);
+        writeRigidityReport(rigidity, table, sentences, recording, model, readDrawing(options.model),
+                            options.common.report_file, outputs);
     }
     progress.reset();
     if (options.common.printsText()) {

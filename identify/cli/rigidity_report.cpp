@@ -1,9 +1,11 @@
 #include "identify/cli/rigidity_report.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "identify/cli/device_scene.hpp"
 #include "models/error.hpp"
+#include "models/format_number.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
@@ -24,9 +26,10 @@ Series takeLargest(const RigidityCheck& check, const std::vector<double>& x) {
     return series;
 }
 
-void addMotionIfKnown(HtmlReport& report, const Recording& recording, const MountModel& model) {
+void addMotionIfKnown(HtmlReport& report, const Recording& recording, const MountModel& model,
+                      const std::vector<DrawnShape>& drawing) {
     try {
-        addMotion(report, makeDeviceScene({recording}, model));
+        addMotion(report, makeDeviceScene({recording}, model, drawing));
     } catch (const InputError& error) {
         report.addText(std::string("The device cannot be shown in motion: ") + error.what());
     }
@@ -35,9 +38,18 @@ void addMotionIfKnown(HtmlReport& report, const Recording& recording, const Moun
 }  // namespace
 
 void writeRigidityReport(const Rigidity& rigidity, const Table& table, const std::vector<std::string>& sentences,
-                         const Recording& recording, const MountModel& model, const std::string& file,
-                         OutputFiles& outputs) {
+                         const Recording& recording, const MountModel& model, const std::vector<DrawnShape>& drawing,
+                         const std::string& file, OutputFiles& outputs) {
     HtmlReport report("Rigidity: " + recording.file);
+    const auto worst =
+        std::max_element(rigidity.checks.begin(), rigidity.checks.end(),
+                         [](const RigidityCheck& a, const RigidityCheck& b) { return a.max_percent < b.max_percent; });
+    if (worst != rigidity.checks.end())
+        report.addLead("The two parts move as rigid bodies within " + formatNumber(worst->max_percent, 3) +
+                       " %; the largest error is that of " + worst->name +
+                       (std::isfinite(worst->at_frequency) ? " at " + formatNumber(worst->at_frequency, 4) + " Hz"
+                                                           : " at " + formatNumber(worst->at_time, 4) + " s") +
+                       ".");
     report.addTable(table.header(), table.rows());
     for (const std::string& sentence : sentences) report.addText(sentence);
     report.addText("Drawn is the largest error of each check, either way, in each of up to " +
@@ -56,7 +68,7 @@ void writeRigidityReport(const Rigidity& rigidity, const Table& table, const std
         if (!time.series.empty()) report.addPlot(time);
         if (!frequency.series.empty()) report.addPlot(frequency);
     }
-    addMotionIfKnown(report, recording, model);
+    addMotionIfKnown(report, recording, model, drawing);
     report.write(file, outputs);
 }
 

@@ -7,6 +7,7 @@
 
 #include "identify/motion/rigidity.hpp"
 #include "models/atomic_file.hpp"
+#include "models/device_drawing.hpp"
 #include "models/text_table.hpp"
 
 namespace wems::identify::cli {
@@ -15,7 +16,7 @@ namespace wems::identify::cli {
 /// motions can be recovered. @throws InputError if `file`
 /// cannot be written.
 void writeRigidityReport(const Rigidity& rigidity, const Table& table, const std::vector<std::string>& sentences,
-                         const Recording& recording, const MountModel& model, const std::string& file,
-                         OutputFiles& outputs);
+                         const Recording& recording, const MountModel& model, const std::vector<DrawnShape>& drawing,
+                         const std::string& file, OutputFiles& outputs);
 
 }  // namespace wems::identify::cli

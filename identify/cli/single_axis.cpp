@@ -77,6 +77,8 @@ std::string describeResidual(const SingleAxisResult& result) {
 void writeReport(const SingleAxisResult& result, const std::string& recording, const std::string& file,
                  OutputFiles& outputs) {
     HtmlReport page("One-axis regression: " + recording);
+    page.addLead("One equation of motion leaves " + formatNumber(100 * result.residual_fraction, 3) +
+                 " % of the inertia force unexplained.");
     const Table table = makeTable(result);
     page.addTable(table.header(), table.rows());
     page.addText(describeSingularValues(result));

@@ -64,7 +64,9 @@ void addSpectraCommand(CLI::App& app, int& /*exit_status*/) {
     addInputFile(*command, "--model", options->model, "mount model: forces of the connections and clearances left");
     command->add_option("--reference", options->reference,
                         "channel that drives (absent: the strongest of load, base, fixed part)");
-    command->add_option("--resolution", options->resolution, "Hz from one line to the next (absent: 20 segments)")
+    command
+        ->add_option("--resolution", options->resolution,
+                     "Hz from one line to the next (absent: 20 segments, 8 of a sweep)")
         ->check(isPositive());
     command->add_option("--band", options->band, "f0:f1 in Hz, where peaks are looked for (absent: what is excited)");
     command->add_option("--q", options->quality, "quality factor Q of the shock response spectrum (default 10)")

@@ -3,6 +3,7 @@
 #include "identify/cli/component_fit.hpp"
 #include "identify/cli/surface_sheets.hpp"
 #include "identify/component/surface_grid.hpp"
+#include "models/format_number.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
@@ -26,8 +27,12 @@ void writeSurfaceReport(const ComponentData& data, const SurfaceKind& kind, cons
     constexpr int cells = 60;
     const std::vector<double> force = scale(data.force, 1), displacement = scale(data.q, 1e3);
     HtmlReport report("Restoring force surface: " + data.file);
-    report.addText("Connection " + data.connection + ", axis " + "xyz"[data.axis] + ": " + kind.name + ". " +
-                   kind.statement);
+    std::string lead = "Connection " + data.connection + ", axis " + "xyz"[data.axis] + ": " + kind.name;
+    if (!kind.parameters.empty())
+        lead += ", " + kind.parameters.front().name + " " + formatNumber(kind.parameters.front().value, 4) + " " +
+                kind.parameters.front().unit;
+    report.addLead(lead + ".");
+    report.addText(kind.statement);
     if (data.qualitative) report.addText("Qualitative: other connections act on the same body.");
     const Table parameters = tabulateParameters(kind.parameters);
     report.addTable(parameters.header(), parameters.rows());
