@@ -1,7 +1,9 @@
 #include "models/axis_law.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "models/axis_numbers.hpp"
 #include "models/format_number.hpp"
@@ -52,6 +54,30 @@ std::optional<LawProblem> findHysteresisProblem(const Hysteresis& hysteresis) {
     return p;
 }
 
+std::optional<LawProblem> findBranchProblem(const MaxwellBranch& branch, const std::string& prefix) {
+    if (auto p = findNegative(prefix + "stiffness", branch.stiffness, ", N/m")) return p;
+    return findNotPositive(prefix + "time_constant", branch.time_constant, ", s");
+}
+
+std::optional<LawProblem> findSliderProblem(const Slider& slider, const std::string& prefix) {
+    if (auto p = findNegative(prefix + "force", slider.force, ", N")) return p;
+    if (auto p = findNotPositive(prefix + "yield_displacement", slider.yield_displacement, ", m")) return p;
+    if (auto p = findNegative(prefix + "gap", slider.gap, ", m")) return p;
+    if (auto p = findNegative(prefix + "negative_force", slider.negative_force.value_or(0), ", N")) return p;
+    return findOutside(prefix + "exponent", slider.exponent.value_or(1), 1, Hysteresis::sharpest);
+}
+
+/// Of a list of parts, each with its own check; no more of them than `most`.
+template <class Item, class Check>
+std::optional<LawProblem> findListProblem(const std::vector<Item>& items, const std::string& key, std::size_t most,
+                                          const Check& check) {
+    if (items.size() > most)
+        return LawProblem{key, "has " + std::to_string(items.size()) + " entries", std::to_string(most) + " at most"};
+    for (std::size_t i = 0; i < items.size(); ++i)
+        if (auto p = check(items[i], key + "[" + std::to_string(i) + "].")) return p;
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<LawProblem> findProblem(const AxisLaw& law) {
@@ -78,16 +104,16 @@ std::optional<LawProblem> findProblem(const AxisLaw& law) {
     if (law.hysteresis) {
         if (auto p = findHysteresisProblem(*law.hysteresis)) return p;
     }
-    for (std::size_t i = 0; i < law.stops.size(); ++i) {
-        if (auto p = findStopProblem(law.stops[i], "stops[" + std::to_string(i) + "].")) return p;
-    }
-    return std::nullopt;
+    if (auto p = findListProblem(law.branches, "branches", kMostBranches, findBranchProblem)) return p;
+    if (auto p = findListProblem(law.sliders, "sliders", kMostSliders, findSliderProblem)) return p;
+    return findListProblem(law.stops, "stops", law.stops.size(), findStopProblem);
 }
 
 AxisForce::AxisForce(const AxisLaw& law) : law_(law), static_stiffness_(law.stiffness) {
     if (law.relaxation) {
         branches_.push_back({law.relaxation->stiffness_ratio * law.stiffness, law.relaxation->time_constant});
     }
+    branches_.insert(branches_.end(), law.branches.begin(), law.branches.end());
     if (law.loss_factor > 0) {
         const double loss_modulus = law.loss_factor * law.stiffness;
         for (const MaxwellBranch& unit : structuralBranches().branch) {
@@ -106,7 +132,7 @@ AxisForce::AxisForce(const AxisLaw& law) : law_(law), static_stiffness_(law.stif
         shape_.bristle = law.friction->presliding_stiffness.has_value();
         shape_.sliding = !shape_.bristle;
     }
-    shape_.hysteresis = law.hysteresis.has_value();
+    shape_.hystereses = (law.hysteresis ? 1 : 0) + static_cast<int>(law.sliders.size());
     shape_.stops = static_cast<int>(contacts_.size());
     shape_.branches = static_cast<int>(branches_.size());
     collectConstants();
@@ -128,11 +154,17 @@ void AxisForce::collectConstants() {
             constants_.end(),
             {presliding_stiffness_, stretches ? friction_force_ / presliding_stiffness_ : 1.0, stretches ? 1.0 : 0.0});
     }
-    if (shape_.hysteresis) {
+    if (law_.hysteresis) {
         const Hysteresis& hysteresis = *law_.hysteresis;
-        constants_.insert(constants_.end(),
-                          {hysteresis.force / hysteresis.yield_displacement, hysteresis.yield_displacement,
-                           hysteresis.exponent, 2 * hysteresis.shape - 1});
+        const double stiffness = hysteresis.force / hysteresis.yield_displacement;
+        constants_.insert(constants_.end(), {stiffness, hysteresis.yield_displacement, hysteresis.exponent,
+                                             2 * hysteresis.shape - 1, stiffness, 0.0});
+    }
+    for (const Slider& slider : law_.sliders) {
+        const double yield = slider.yield_displacement;
+        constants_.insert(constants_.end(), {slider.force / yield, yield + 0.5 * slider.gap,
+                                             slider.exponent.value_or(std::numeric_limits<double>::infinity()), 0.0,
+                                             slider.negative_force.value_or(slider.force) / yield, 0.5 * slider.gap});
     }
 }
 
@@ -177,7 +209,15 @@ double AxisForce::calcPotential(double q, double t, const double* z) const {
         const double stretch = q - *z++;
         energy += 0.5 * branch.stiffness * stretch * stretch;
     }
-    for (int i = 0; i < shape_.draggedCount(); ++i, ++z) energy += 0.5 * draggedConstants(i)[0] * *z * *z;
+    if (shape_.bristle) {
+        energy += 0.5 * presliding_stiffness_ * *z * *z;
+        ++z;
+    }
+    for (int i = 0; i < shape_.hystereses; ++i, ++z) {
+        const double* c = hysteresisConstants(i);
+        const double over = positivePart(*z - c[5]), under = positivePart(-*z - c[5]);
+        energy += 0.5 * (c[0] * over * over + c[4] * under * under);
+    }
     return energy;
 }
 
@@ -200,16 +240,17 @@ double AxisForce::calcDissipatedPower(double q, double v, double, const double* 
         const double force = presliding_stiffness_ * *z++;
         if (friction_force_ > 0) power += std::abs(v) * force * force / friction_force_;
     }
-    if (shape_.hysteresis) {
-        const double* c = constants_.data() + shape_.hysteresisConstants();
-        power += c[0] * *z * (v - calcHysteresisRate(c, v < 0 ? -1.0 : 1.0, v, *z));
+    for (int i = 0; i < shape_.hystereses; ++i, ++z) {
+        const double* c = hysteresisConstants(i);
+        power += calcHysteresisForce(c, *z) * (v - calcHysteresisRate(c, v < 0 ? -1.0 : 1.0, v, *z));
     }
     return power;
 }
 
 void AxisForce::calcStateDerivative(double q, double v, const double* z, double* zdot) const {
-    const double sign = v < 0 ? -1.0 : 1.0, directions[2] = {sign, sign};
-    calcAxisStateRates(shape_, constants_.data(), directions, q, v, z, zdot);
+    std::array<double, kMostStates> directions{};
+    directions.fill(v < 0 ? -1.0 : 1.0);
+    calcAxisStateRates(shape_, constants_.data(), directions.data(), q, v, z, zdot);
 }
 
 void AxisForce::dragStates(double travel, double* z) const {
@@ -220,9 +261,12 @@ void AxisForce::dragStates(double travel, double* z) const {
     }
 }
 
-double AxisForce::draggedStiffness() const {
-    double stiffness = 0;
-    for (int i = 0; i < shape_.draggedCount(); ++i) stiffness += draggedConstants(i)[0];
+double AxisForce::draggedStiffness(bool largest) const {
+    double stiffness = shape_.bristle ? presliding_stiffness_ : 0;
+    for (int i = 0; i < shape_.hystereses; ++i) {
+        const double* c = hysteresisConstants(i);
+        if (largest || c[5] == 0) stiffness += std::max(c[0], c[4]);
+    }
     return stiffness;
 }
 

@@ -9,6 +9,7 @@
 ///                   + F tanh(v / v_t)                    dry friction (no presliding)
 ///                   + Σ_b g_b k (q − z_b)                Maxwell branches (relaxation, structural damping)
 ///                   + F_h s / Y                          hysteresis of Bouc and Wen
+///                   + Σ_i slider force                   springs with gap and slider in series, see below
 ///                   + Σ_stops                            see below
 ///
 /// A stop on side + with clearance c and its own stiffness k_s, the rest position being off the middle of the gap by
@@ -17,6 +18,7 @@
 ///     ± k_s δ max(0, 1 + χ δ')                           Hunt–Crossley with exponent 1, never pulls
 ///
 /// Each Maxwell branch has one internal state z_b (m), the displacement of its dashpot: z_b' = (q − z_b) / τ_b.
+/// `branches` are given one by one (a Prony series, g_b k = stiffness_b): a relaxation spectrum over any band.
 /// Structural damping with loss factor η is a set of branches whose loss modulus is nearly constant over
 /// `structuralBand()`, the static stiffness lowered so that the storage modulus is k at the band's geometric middle.
 /// The branches take that stiffness from the static one, so that η has an upper limit, `largestLossFactor()`.
@@ -30,11 +32,23 @@
 /// that is β ≥ 1/2. With less, a release gives back more than that spring holds, though from 0 on less than was put in.
 /// At β = 1/2 unloading is as stiff as that spring, at β = 1 up to twice as stiff: the range of β.
 ///
+/// A slider is a spring in series with a gap g and dry friction (a Jenkins element if g = 0; many in parallel are the
+/// model of Iwan, and what an elastomer does whose stiffness falls with the amplitude). Its state e (m) is what spring
+/// and gap are stretched by; with w = e / (Y + g/2) and the exponent n
+///
+///     e' = v (1 − w^n) for w v ≥ 0, otherwise e' = v;   force = F₊ (e − g/2) / Y     e > g/2
+///                                                               0                    |e| ≤ g/2
+///                                                               F₋ (e + g/2) / Y     e < −g/2
+///
+/// so that it slides at F₊ towards + and at −F₋ towards −. Without exponent the knee is a corner. The power lost is
+/// force · (v − e') ≥ 0: no closed cycle gives energy.
+///
 /// Sign: f is the force that the law opposes to q, so that f = +k q; the mobile part receives −f.
 /// Continuity: f is C⁰ in q (C¹ but at the stops) and C⁰ in v; the derivatives at a kink are those from outside the
 /// stop. Sources: trilinear law, Noël, Kerschen, Newerla (IMAC XXX, 2012), eq. (11); Hunt, Crossley (1975),
-/// doi:10.1115/1.3423596; Wen (1976), doi:10.1061/JMCEA3.0002106; generalized Maxwell model, Lakes, Viscoelastic
-/// Materials (2009), ch. 2.
+/// doi:10.1115/1.3423596; Wen (1976), doi:10.1061/JMCEA3.0002106; parallel sliders, Iwan
+/// (1966), doi:10.1115/1.3625199; play, Krasnosel'skii, Pokrovskii, Systems with Hysteresis (1989); generalized Maxwell
+/// model, Lakes, Viscoelastic Materials (2009), ch. 2.
 #pragma once
 
 #include <optional>
@@ -80,6 +94,21 @@ struct Hysteresis {
     static constexpr double sharpest = 50;
 };
 
+/// One Maxwell branch: stiffness (N/m, ≥ 0) and time constant (s, > 0).
+struct MaxwellBranch {
+    double stiffness = 0;
+    double time_constant = 0;
+};
+
+/// Spring, gap and dry friction in series.
+struct Slider {
+    double force = 0;                      ///< F₊, N, ≥ 0, the sliding level towards +
+    double yield_displacement = 1e-4;      ///< Y, m, > 0, stretch of the spring where it slides
+    double gap = 0;                        ///< g, m, ≥ 0
+    std::optional<double> negative_force;  ///< F₋, N, ≥ 0; absent: F₊
+    std::optional<double> exponent;        ///< n, 1 to `Hysteresis::sharpest`; absent: a corner
+};
+
 /// All that acts along one mount axis of one connection. Default-constructed: no force at all.
 struct AxisLaw {
     double stiffness = 0;    ///< k, N/m, ≥ 0
@@ -91,6 +120,8 @@ struct AxisLaw {
     std::optional<Relaxation> relaxation;
     std::optional<Friction> friction;
     std::optional<Hysteresis> hysteresis;
+    std::vector<MaxwellBranch> branches;  ///< besides those of relaxation and loss factor, `kMostBranches` at most
+    std::vector<Slider> sliders;          ///< `kMostSliders` at most
     std::vector<Stop> stops;
 };
 
@@ -111,12 +142,6 @@ Band structuralBand();
 /// Loss factors from here on would leave no static stiffness.
 double largestLossFactor();
 
-/// One Maxwell branch as the force law uses it: stiffness g·k (N/m) and time constant (s).
-struct MaxwellBranch {
-    double stiffness;
-    double time_constant;
-};
-
 /// An axis law prepared for evaluation: derived constants computed once. Cheap to evaluate, no allocation.
 class AxisForce {
 public:
@@ -125,7 +150,7 @@ public:
     const AxisLaw& law() const { return law_; }
 
     /// Number of internal states: Maxwell branches first, then the bristle deflection if friction has presliding, then
-    /// that of the hysteresis.
+    /// that of the hysteresis, then those of the sliders.
     int stateCount() const { return shape_.stateCount(); }
 
     /// f (N). @param z stateCount() internal states (m), may be null if there are none.
@@ -135,7 +160,7 @@ public:
     double calcStiffness(double q, double v, double t, const double* z) const;
     double calcDamping(double q, double v, double t, const double* z) const;
 
-    /// Recoverable energy (J): elastomer, cubic term, stops, springs of the branches, bristle and hysteresis.
+    /// Recoverable energy (J): elastomer, cubic term, stops, springs of the branches, bristle, hysteresis and sliders.
     double calcPotential(double q, double t, const double* z) const;
 
     /// Power lost to heat (W), ≥ 0: f v − d/dt potential, the explicit time dependence (drift) excluded.
@@ -144,11 +169,12 @@ public:
     /// z' into `zdot` (m/s).
     void calcStateDerivative(double q, double v, const double* z, double* zdot) const;
 
-    /// What motion drags along, bristle and hysteresis, depends on the path alone: moves its states `z` (all of the
-    /// law) by the travel (m) of a motion in one direction.
+    /// What motion drags along, bristle, hysteresis and sliders, depends on the path alone: moves its states `z` (all
+    /// of the law) by the travel (m) of a motion in one direction.
     void dragStates(double travel, double* z) const;
-    /// Stiffness (N/m) of what is dragged, for motions about rest too small for it to slide.
-    double draggedStiffness() const;
+    /// Stiffness (N/m) of what is dragged, for motions about rest too small for it to slide. What has a gap has none
+    /// there; `largest`: beyond its gap, too.
+    double draggedStiffness(bool largest = false) const;
 
     /// The static part alone: elastomer with its static stiffness at t = 0, cubic term, stops; states relaxed.
     double calcStaticForce(double q) const;
@@ -173,7 +199,7 @@ private:
     double calcElastomerStiffness(double t) const { return static_stiffness_ + law_.stiffness * law_.drift * t; }
 
     void collectConstants();
-    const double* draggedConstants(int i) const { return constants_.data() + shape_.draggedConstants(i); }
+    const double* hysteresisConstants(int i) const { return constants_.data() + shape_.hysteresisConstants(i); }
 
     AxisLaw law_;
     AxisShape shape_;

@@ -10,9 +10,11 @@
 ///     of sliding friction  force, 1 / transition velocity
 ///     of each branch       stiffness, 1 / time constant
 ///     of a bristle         stiffness σ, sliding stretch F / σ, 1 if it stretches at all
-///     of hysteresis        stiffness F / Y, sliding stretch Y, exponent n, 2 β − 1
+///     of hysteresis, and of each slider
+///                          stiffness F₊ / Y, sliding stretch Y + g/2, exponent n, 2 β − 1, stiffness F₋ / Y, g/2
 ///
-/// Bristle and hysteresis are *dragged*: their stretch follows from the travel alone, and turns where the motion does.
+/// Bristle, hysteresis and sliders are *dragged*: their stretch follows from the travel alone, and turns where the
+/// motion does.
 #pragma once
 
 #include "models/hysteresis_terms.hpp"
@@ -20,28 +22,34 @@
 
 namespace wems {
 
+/// How many branches and sliders a law may list, and how many internal states it then has at most: with those of
+/// relaxation, structural damping, bristle and hysteresis.
+inline constexpr int kMostBranches = 24, kMostSliders = 16, kMostStates = kMostBranches + kMostSliders + 6;
+
 /// Which terms an axis has. Parameter sets that are evaluated together share it.
 struct AxisShape {
     int stops = 0;
     int branches = 0;
-    bool sliding = false, bristle = false, hysteresis = false;
+    bool sliding = false, bristle = false;
+    int hystereses = 0;  ///< hysteresis and sliders
 
     /// How many states are dragged: they come after those of the branches, the bristle first.
-    int draggedCount() const { return (bristle ? 1 : 0) + (hysteresis ? 1 : 0); }
+    int draggedCount() const { return (bristle ? 1 : 0) + hystereses; }
     int stateCount() const { return branches + draggedCount(); }
     /// Where constants begin, and how many there are.
     int stopConstants(int stop) const { return 4 + 4 * stop; }
     int branchConstants() const { return stopConstants(stops) + (sliding ? 2 : 0); }
     int bristleConstants() const { return branchConstants() + 2 * branches; }
-    int hysteresisConstants() const { return bristleConstants() + (bristle ? 3 : 0); }
-    /// Of the first or second dragged state. The second constant of each is the stretch at which it slides.
+    int hysteresisConstants(int i) const { return bristleConstants() + (bristle ? 3 : 0) + 6 * i; }
+    /// Of a dragged state. The second constant of each is the stretch at which it slides.
     int draggedConstants(int dragged) const {
-        return bristle && dragged == 0 ? bristleConstants() : hysteresisConstants();
+        if (!bristle) return hysteresisConstants(dragged);
+        return dragged == 0 ? bristleConstants() : hysteresisConstants(dragged - 1);
     }
-    int constantCount() const { return hysteresisConstants() + (hysteresis ? 4 : 0); }
+    int constantCount() const { return hysteresisConstants(hystereses); }
     bool operator==(const AxisShape& other) const {
         return stops == other.stops && branches == other.branches && sliding == other.sliding &&
-               bristle == other.bristle && hysteresis == other.hysteresis;
+               bristle == other.bristle && hystereses == other.hystereses;
     }
 };
 
@@ -49,6 +57,12 @@ struct AxisShape {
 template <class T>
 inline T calcPenetration(const T* stop, const T& q) {
     return stop[0] * q + stop[1];
+}
+
+/// Force (N) of a hysteresis or slider stretched by z (m). @param c its constants
+template <class T>
+inline T calcHysteresisForce(const T* c, const T& z) {
+    return c[0] * positivePart(z - c[5]) - c[4] * positivePart(T(0.0) - z - c[5]);
 }
 
 /// f (N).
@@ -70,7 +84,8 @@ inline T calcAxisForce(const AxisShape& shape, const T* constants, const Closed&
         c += 2;
     }
     for (int b = 0; b < shape.branches; ++b, c += 2) f += c[0] * (q - *z++);
-    for (int i = 0; i < shape.draggedCount(); ++i) f += constants[shape.draggedConstants(i)] * *z++;
+    if (shape.bristle) f += constants[shape.bristleConstants()] * *z++;
+    for (int i = 0; i < shape.hystereses; ++i) f += calcHysteresisForce(constants + shape.hysteresisConstants(i), *z++);
     return f;
 }
 
@@ -81,7 +96,8 @@ inline void calcAxisStateRates(const AxisShape& shape, const T* constants, const
     const T* c = constants + shape.branchConstants();
     for (int b = 0; b < shape.branches; ++b, c += 2) *zdot++ = (q - *z++) * c[1];
     if (shape.bristle) *zdot++ = c[2] * v * (T(1.0) - *direction++ * *z++ / c[1]);
-    if (shape.hysteresis) *zdot = calcHysteresisRate(constants + shape.hysteresisConstants(), *direction, v, *z);
+    for (int i = 0; i < shape.hystereses; ++i)
+        *zdot++ = calcHysteresisRate(constants + shape.hysteresisConstants(i), *direction++, v, *z++);
 }
 
 /// The bristle after a travel in one direction, exactly: ds/dq = 1 − direction · s / (F / σ). A travel against the
@@ -93,7 +109,7 @@ inline T calcBristle(const T* c, const T& direction, const T& before, const T& t
     return before + c[2] * (direction * c[1] - before) * decayedPart(x);
 }
 
-/// A dragged state (the first or the second) after a travel.
+/// A dragged state after a travel.
 /// @param constants of the axis
 template <class T>
 inline T calcDragged(const AxisShape& shape, const T* constants, int dragged, const T& direction, const T& before,

@@ -12,7 +12,8 @@
 ///     g = 1 + (2 β − 1) (−w)^n       w < 0: on the way back from the other one
 ///
 /// does not know how fast the motion is: z follows from the travel alone. n = 1 with β = 1 is the bristle of presliding
-/// friction. The constants are F / Y, Y, n, 2 β − 1.
+/// friction. With n = ∞ and β = 1/2 the stretch follows the motion up to Y and stays there: a slider with a corner. The
+/// constants that are asked for here are the second to the fourth of models/axis_terms.hpp: Y, n, 2 β − 1.
 #pragma once
 
 #include "models/number_functions.hpp"
@@ -27,6 +28,7 @@ namespace hysteresis {
 /// g(w).
 template <class T>
 inline double calcSlope(double w, double exponent, double release) {
+    if (exponent > 1e300) return w < 1 ? 1 : 0;  // a corner, which an integrator's step may pass
     return w < 0 ? 1 + release * __builtin_pow(-w, exponent) : 1 - __builtin_pow(w, exponent);
 }
 
@@ -78,6 +80,7 @@ inline double followBack(double& back, double travel, double exponent, double re
 template <class T>
 inline double follow(double w, double travel, double exponent, double release) {
     if (!(travel > 0)) return w + travel * calcSlope<T>(w, exponent, release);
+    if (exponent > 1e300) return w + travel < 1 ? w + travel : 1.0;  // a corner
     if (w < 0) {
         double back = -w;
         travel = followBack<T>(back, travel, exponent, release);
@@ -98,7 +101,7 @@ inline double follow(double w, double travel, double exponent, double release) {
 
 }  // namespace hysteresis
 
-/// z (m) after a travel (m). @param c the four constants, @param direction of the motion, ±1
+/// z (m) after a travel (m). @param c the constants, @param direction of the motion, ±1
 template <class T>
 inline T calcHysteresis(const T* c, const T& direction, const T& before, const T& travel) {
     return perNumber(

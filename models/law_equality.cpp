@@ -27,9 +27,21 @@ auto valuesOf(const Hysteresis& hysteresis) {
     return std::tie(force, yield_displacement, exponent, shape);
 }
 
+auto valuesOf(const MaxwellBranch& branch) {
+    const auto& [stiffness, time_constant] = branch;
+    return std::tie(stiffness, time_constant);
+}
+
+auto valuesOf(const Slider& slider) {
+    const auto& [force, yield_displacement, gap, negative_force, exponent] = slider;
+    return std::tie(force, yield_displacement, gap, negative_force, exponent);
+}
+
 auto valuesOf(const AxisLaw& law) {
-    const auto& [stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, hysteresis, stops] = law;
-    return std::tie(stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, hysteresis, stops);
+    const auto& [stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, hysteresis, branches,
+                 sliders, stops] = law;
+    return std::tie(stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, hysteresis, branches,
+                    sliders, stops);
 }
 
 }  // namespace
@@ -47,6 +59,14 @@ bool operator==(const Friction& a, const Friction& b) {
 }
 
 bool operator==(const Hysteresis& a, const Hysteresis& b) {
+    return valuesOf(a) == valuesOf(b);
+}
+
+bool operator==(const MaxwellBranch& a, const MaxwellBranch& b) {
+    return valuesOf(a) == valuesOf(b);
+}
+
+bool operator==(const Slider& a, const Slider& b) {
     return valuesOf(a) == valuesOf(b);
 }
 

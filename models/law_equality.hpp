@@ -11,6 +11,8 @@ bool operator==(const Stop& a, const Stop& b);
 bool operator==(const Relaxation& a, const Relaxation& b);
 bool operator==(const Friction& a, const Friction& b);
 bool operator==(const Hysteresis& a, const Hysteresis& b);
+bool operator==(const MaxwellBranch& a, const MaxwellBranch& b);
+bool operator==(const Slider& a, const Slider& b);
 bool operator==(const AxisLaw& a, const AxisLaw& b);
 
 }  // namespace wems

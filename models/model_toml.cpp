@@ -62,6 +62,20 @@ Hysteresis readHysteresis(TomlTable& table) {
     return hysteresis;
 }
 
+MaxwellBranch readBranch(TomlTable& table) {
+    return {table.requireNumber("stiffness", "N/m"), table.requireNumber("time_constant", "s")};
+}
+
+Slider readSlider(TomlTable& table) {
+    Slider slider;
+    slider.force = table.requireNumber("force", "N");
+    slider.yield_displacement = table.requireNumber("yield_displacement", "m");
+    slider.gap = table.findNumber("gap").value_or(0);
+    slider.negative_force = table.findNumber("negative_force");
+    slider.exponent = table.findNumber("exponent");
+    return slider;
+}
+
 AxisLaw readAxis(TomlTable& table) {
     AxisLaw law;
     for (const AxisNumber& number : kAxisNumbers)
@@ -75,6 +89,8 @@ AxisLaw readAxis(TomlTable& table) {
     });
     table.readTable("friction", [&law](TomlTable& friction) { law.friction = readFriction(friction); });
     table.readTable("hysteresis", [&law](TomlTable& hysteresis) { law.hysteresis = readHysteresis(hysteresis); });
+    table.readTables("branches", [&law](TomlTable& branch) { law.branches.push_back(readBranch(branch)); });
+    table.readTables("sliders", [&law](TomlTable& slider) { law.sliders.push_back(readSlider(slider)); });
     return law;
 }
 

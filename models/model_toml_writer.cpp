@@ -103,6 +103,29 @@ std::string formatStop(const Stop& stop) {
     return text + " }";
 }
 
+std::string formatBranch(const MaxwellBranch& branch) {
+    return "{ stiffness = " + number(branch.stiffness) + ", time_constant = " + number(branch.time_constant) + " }";
+}
+
+std::string formatSlider(const Slider& slider) {
+    std::string text =
+        "{ force = " + number(slider.force) + ", yield_displacement = " + number(slider.yield_displacement);
+    if (slider.gap != 0) text += ", gap = " + number(slider.gap);
+    if (slider.negative_force) text += ", negative_force = " + number(*slider.negative_force);
+    if (slider.exponent) text += ", exponent = " + number(*slider.exponent);
+    return text + " }";
+}
+
+/// A list of tables, one in each line; nothing if it is empty.
+template <class Item>
+void writeList(const std::string& key, const std::vector<Item>& items, std::string (*format)(const Item&),
+               Writer& out) {
+    std::string list;
+    const std::string separator = ",\n" + std::string(key.size() + 5, ' ');
+    for (const Item& item : items) list += (list.empty() ? "[ " : separator) + format(item);
+    if (!list.empty()) out.key(key, list + " ]");
+}
+
 void writeAxis(const AxisLaw& law, const Tolerances& tolerances, char axis, Writer& out) {
     out.line(std::string("[connection.") + axis + "]");
     for (const AxisNumber& number : kAxisNumbers) {
@@ -127,9 +150,9 @@ void writeAxis(const AxisLaw& law, const Tolerances& tolerances, char axis, Writ
                                   ", exponent = " + number(law.hysteresis->exponent) +
                                   ", shape = " + number(law.hysteresis->shape) + " }");
     }
-    std::string stops;
-    for (const Stop& stop : law.stops) stops += (stops.empty() ? "[ " : ",\n          ") + formatStop(stop);
-    if (!stops.empty()) out.key("stops", stops + " ]");
+    writeList("branches", law.branches, formatBranch, out);
+    writeList("sliders", law.sliders, formatSlider, out);
+    writeList("stops", law.stops, formatStop, out);
     out.tolerances(tolerances);
 }
 

@@ -57,6 +57,12 @@ void searchAxis(const AxisLaw& law, const std::string& place, Search& search) {
     if (law.hysteresis)
         search.spring(place + "hysteresis_force", law.hysteresis->force,
                       law.hysteresis->force / law.hysteresis->yield_displacement);
+    for (const MaxwellBranch& branch : law.branches) {
+        search.offer(place + "branches", branch.time_constant, 1 / branch.time_constant);
+        search.spring(place + "branches", branch.stiffness, branch.stiffness);
+    }
+    for (const Slider& slider : law.sliders)
+        search.spring(place + "sliders", slider.force, slider.force / slider.yield_displacement);
     for (const Stop& stop : law.stops) {
         const std::string side = place + (stop.side == Side::positive ? "+." : "-.");
         search.spring(side + "stiffness", stop.stiffness, law.stiffness + stop.stiffness);

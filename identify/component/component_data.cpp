@@ -1,12 +1,12 @@
 #include "identify/component/component_data.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "identify/component/reversals.hpp"
 #include "models/error.hpp"
+#include "models/sampled_motion.hpp"
 
 namespace wems::identify {
 namespace {
@@ -83,14 +83,6 @@ std::vector<bool> findClipped(const Eigen::VectorXd& values) {
     return clipped;
 }
 
-/// Half width of the derivative's window: a sixtieth of the typical period costs 0.1 % at that period.
-int chooseHalfWidth(const Eigen::VectorXd& q) {
-    const auto reversals = findReversals(q, 0.05);
-    const auto swings = std::max<std::size_t>(reversals.size(), 2);
-    const double period = 2.0 * static_cast<double>(q.size()) / static_cast<double>(swings);
-    return std::clamp(static_cast<int>(std::lround(period / 60.0)), 2, 200);
-}
-
 std::string formatText(const char* format, double value) {
     char buffer[160];
     std::snprintf(buffer, sizeof buffer, format, value);
@@ -101,26 +93,6 @@ std::string formatText(const char* format, double value) {
 
 bool isComponentTest(const Recording& recording) {
     return !recording.connections(Part::force).empty() || !recording.connections(Part::relative).empty();
-}
-
-Eigen::VectorXd derive(const Eigen::VectorXd& values, double interval, int half_width, int order) {
-    const Eigen::Index n = values.size();
-    const Eigen::Index width = std::min<Eigen::Index>(2 * static_cast<Eigen::Index>(half_width) + 1, n);
-    Eigen::VectorXd result(n);
-    // Weights of the parabola's derivative at every place inside a window; the middle one serves nearly all samples.
-    Eigen::MatrixXd basis(width, 3);
-    for (Eigen::Index i = 0; i < width; ++i) {
-        const double s = static_cast<double>(i) - 0.5 * static_cast<double>(width - 1);
-        basis.row(i) << 1.0, s, s * s;
-    }
-    const Eigen::MatrixXd weights = basis.completeOrthogonalDecomposition().pseudoInverse();  // 3 x width
-    for (Eigen::Index i = 0; i < n; ++i) {
-        const Eigen::Index start = std::clamp<Eigen::Index>(i - width / 2, 0, n - width);
-        const double s = static_cast<double>(i - start) - 0.5 * static_cast<double>(width - 1);
-        const Eigen::Vector3d c = weights * values.segment(start, width);
-        result[i] = order == 1 ? (c[1] + 2.0 * c[2] * s) / interval : 2.0 * c[2] / (interval * interval);
-    }
-    return result;
 }
 
 ComponentData extractComponent(const Recording& recording, const ComponentOptions& options) {

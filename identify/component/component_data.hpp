@@ -54,8 +54,4 @@ bool isComponentTest(const Recording& recording);
 /// @throws InputError naming the channel that is missing, or a window that holds fewer than 20 samples.
 ComponentData extractComponent(const Recording& recording, const ComponentOptions& options);
 
-/// Derivative of `values` at a uniform `interval` by a least-squares line (`degree` 1 or 2) or the second derivative by
-/// a parabola, over ±`half_width` samples, one-sided at the ends (Savitzky, Golay 1964). Zero phase inside.
-Eigen::VectorXd derive(const Eigen::VectorXd& values, double interval, int half_width, int order);
-
 }  // namespace wems::identify

@@ -38,34 +38,6 @@ std::vector<Stroke> findStrokes(const Eigen::VectorXd& q) {
 
 }  // namespace
 
-std::vector<Reversal> findReversals(const Eigen::VectorXd& q, double fraction) {
-    std::vector<Reversal> found;
-    const double threshold = fraction * (q.maxCoeff() - q.minCoeff());
-    if (threshold <= 0) return found;
-    Eigen::Index low = 0, high = 0, extreme = 0;
-    int direction = 0;  // unknown until the first clear travel
-    for (Eigen::Index i = 1; i < q.size(); ++i) {
-        if (direction == 0) {
-            if (q[i] < q[low]) low = i;
-            if (q[i] > q[high]) high = i;
-            if (q[i] - q[low] > threshold) direction = 1;
-            if (q[high] - q[i] > threshold) direction = -1;
-            if (direction != 0) {
-                const auto start = direction > 0 ? low : high;
-                if (start > 0) found.push_back({start, direction});
-                extreme = i;
-            }
-        } else if (direction * (q[i] - q[extreme]) > 0) {
-            extreme = i;
-        } else if (direction * (q[extreme] - q[i]) > threshold) {
-            direction = -direction;
-            found.push_back({extreme, direction});
-            extreme = i;
-        }
-    }
-    return found;
-}
-
 Eigen::VectorXd calcDirection(const Eigen::VectorXd& q, double fraction) {
     const auto reversals = findReversals(q, fraction);
     Eigen::VectorXd direction(q.size());

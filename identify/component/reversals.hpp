@@ -5,17 +5,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "models/sampled_motion.hpp"
+
 namespace wems::identify {
-
-/// Sample at which the motion turns, and where it goes from there.
-struct Reversal {
-    Eigen::Index index = 0;
-    int direction = 0;  ///< +1 or −1, of the motion after it
-};
-
-/// Turning points of q that are followed by a travel of more than `fraction` of q's whole range (noise and ripple turn
-/// nothing). The first and last samples are none.
-std::vector<Reversal> findReversals(const Eigen::VectorXd& q, double fraction);
 
 /// Direction of travel at every sample, +1 or −1: that of the stroke it belongs to.
 Eigen::VectorXd calcDirection(const Eigen::VectorXd& q, double fraction);

@@ -1,41 +1,19 @@
 #include "identify/fit/law_history.hpp"
 
 #include <algorithm>
-#include <cmath>
 
-#include "identify/fit/drag.hpp"
 #include "models/bryant.hpp"
 #include "models/law_equality.hpp"
 #include "models/mount_forces.hpp"
+#include "models/sampled_motion.hpp"
 
 namespace wems::identify {
 namespace {
 
-/// Moves the internal states over a step: branches as if the displacement were linear in time, what is dragged along
-/// its cubic.
-void advanceStates(const AxisForce& force, const AxisStep<double>& step, std::vector<double>& z) {
-    std::size_t next = 0;
-    for (const MaxwellBranch& branch : force.branches()) {
-        const double lag = branch.time_constant * (step.q1 - step.q0) / step.h;
-        z[next] = step.q1 - lag + (z[next] - step.q0 + lag) * std::exp(-step.h / branch.time_constant);
-        ++next;
-    }
-    dragAlong(force, step, z.data());
-}
-
 void fillHistory(const AxisLaw& law, Eigen::Index column, const RelativeHistory& relative,
                  const std::vector<double>& time, RowMatrix& result) {
-    const AxisForce force(law);
-    std::vector<double> z(static_cast<std::size_t>(force.stateCount()), 0.0);
-    for (std::size_t b = 0; b < force.branches().size(); ++b) z[b] = relative.q(0, column);
-    for (Eigen::Index k = 0; k < relative.q.rows(); ++k) {
-        const double q = relative.q(k, column), v = relative.v(k, column), t = time[static_cast<std::size_t>(k)];
-        if (k > 0 && !z.empty()) {
-            const double interval = t - time[static_cast<std::size_t>(k - 1)];
-            advanceStates(force, {relative.q(k - 1, column), relative.v(k - 1, column), q, v, interval}, z);
-        }
-        result(k, column) = force.calcForce(q, v, t - time.front(), z.data());
-    }
+    const Eigen::Map<const Eigen::VectorXd> at(time.data(), static_cast<Eigen::Index>(time.size()));
+    result.col(column) = calcForceAlong(law, at, relative.q.col(column), relative.v.col(column));
 }
 
 AxisLaw unitElasticPart(const AxisLaw& law) {

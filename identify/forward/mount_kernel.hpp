@@ -155,7 +155,7 @@ inline MountSum<T> calcConnections(const MountKernel<T>& kernel, const Mat3<T>& 
         c += connection_constants;
         T f[3];
         for (int k = 0; k < 3; ++k, ++shape, ++q, ++rate) {
-            T states[16];
+            T states[kMostStates];
             const T* direction = regime.direction + bristle;
             const int count = shape->stateCount();
             for (int b = 0; b < shape->branches; ++b) states[b] = z[b];

@@ -28,7 +28,7 @@ double calcLargestStiffness(const AxisForce& force) {
         (stop.side == Side::positive ? positive : negative) += std::max(0.0, stop.stiffness);
     double stiffness = law.stiffness + std::max(positive, negative);
     for (const MaxwellBranch& branch : force.branches()) stiffness += branch.stiffness;
-    return stiffness + force.draggedStiffness();
+    return stiffness + force.draggedStiffness(true);
 }
 
 double calcLargestDamping(const AxisLaw& law) {

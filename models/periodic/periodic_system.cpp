@@ -16,8 +16,6 @@ bool isNonlinear(const AxisLaw& law) {
     return !law.stops.empty() || law.cubic != 0 || (law.friction && law.friction->force > 0);
 }
 
-constexpr std::size_t kMostStates = 8;  // of one law: relaxation, three of structural damping, a bristle
-
 }  // namespace
 
 NonlinearAxis::NonlinearAxis(int connection, int axis, const AxisForce& force, double rest)
@@ -71,8 +69,8 @@ PeriodicSystem::PeriodicSystem(const MountModel& model, const HarmonicInput& inp
                 throw InputError({"", 0, place + ".friction"},
                                  "has presliding, whose force depends on all that went before",
                                  "friction without presliding_stiffness, or a simulation in time");
-            if (force.shape().hysteresis)
-                throw InputError({"", 0, place + ".hysteresis"}, "its force depends on all that went before",
+            if (force.shape().hystereses > 0)
+                throw InputError({"", 0, place + (force.law().hysteresis ? ".hysteresis" : ".sliders")}, "its force depends on all that went before",
                                  "a law without it, or a simulation in time");
             if (isNonlinear(force.law())) axes_.emplace_back(i, k, force, rest_(k, i));
         }

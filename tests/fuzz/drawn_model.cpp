@@ -70,7 +70,7 @@ void repeatLine(std::string& text, DrawnBytes& bytes) {
 
 /// Behind the head of a table of one axis.
 void addLaw(std::string& text, DrawnBytes& bytes) {
-    static const std::array<std::pair<std::string, std::string>, 10> laws{{
+    static const std::array<std::pair<std::string, std::string>, 12> laws{{
         {"offset = ", ""},
         {"cubic = ", ""},
         {"loss_factor = ", ""},
@@ -81,6 +81,8 @@ void addLaw(std::string& text, DrawnBytes& bytes) {
         {"friction = { transition_velocity = 1.0e-3, force = ", " }"},
         {"friction = { force = 5.0, transition_velocity = ", " }"},
         {"hysteresis = { yield_displacement = 1.0e-4, force = ", " }"},
+        {"branches = [ { time_constant = 0.01, stiffness = ", " } ]"},
+        {"sliders = [ { yield_displacement = 1.0e-4, force = ", ", gap = 1.0e-3 } ]"},
     }};
     std::vector<std::size_t> heads;
     for (const char* axis : {"x", "y", "z"}) {

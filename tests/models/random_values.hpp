@@ -27,6 +27,14 @@ public:
     BodyMotion mobileMotion() { return {rotationFromVector(vector(0.5)), vector(0.05), vector(2), vector(1)}; }
     FrameMotion fixedMotion() { return {rotationFromVector(vector(0.5)), vector(0.05), vector(2), vector(1)}; }
 
+    Slider slider() {
+        Slider slider{number(0.5, 40), number(2e-5, 1e-3), 0, {}, {}};
+        if (chance()) slider.gap = number(1e-4, 2e-3);
+        if (chance()) slider.negative_force = number(0.5, 40);
+        if (chance()) slider.exponent = number(1, 8);
+        return slider;
+    }
+
     /// A law in which every mechanism may occur.
     AxisLaw law() {
         AxisLaw law;
@@ -42,6 +50,9 @@ public:
             if (chance()) law.friction->presliding_stiffness = number(1e4, 1e6);
         }
         if (chance()) law.hysteresis = Hysteresis{number(0.5, 40), number(2e-5, 1e-3), number(1, 8), number(0.5, 1)};
+        for (int i = chance() ? integer(1, 3) : 0; i > 0; --i)
+            law.branches.push_back({number(1e3, 1e5), number(1e-3, 0.3)});
+        for (int i = chance() ? integer(1, 3) : 0; i > 0; --i) law.sliders.push_back(slider());
         for (int i = integer(0, 2); i > 0; --i) {
             law.stops.push_back({chance() ? Side::positive : Side::negative, number(5e-4, 2e-3), number(1e5, 1e6),
                                  chance() ? number(0.1, 2) : 0.0});

@@ -20,7 +20,11 @@ std::vector<double> randomStates(const AxisForce& force, RandomValues& random) {
         const double limit = force.law().friction->force / *force.law().friction->presliding_stiffness;
         z[force.branches().size()] = random.number(-limit, limit);
     }
-    if (force.law().hysteresis) z.back() = force.law().hysteresis->yield_displacement * random.number(-1, 1);
+    const std::vector<Slider>& sliders = force.law().sliders;
+    auto last = z.end() - static_cast<std::ptrdiff_t>(sliders.size());
+    if (force.law().hysteresis) *std::prev(last) = force.law().hysteresis->yield_displacement * random.number(-1, 1);
+    for (const Slider& slider : sliders)
+        *last++ = (slider.yield_displacement + 0.5 * slider.gap) * random.number(-1, 1);
     return z;
 }
 
@@ -224,6 +228,18 @@ TEST_CASE("values out of range are named with their key") {
         {"hysteresis.exponent", [](AxisLaw& law) { law.hysteresis->exponent = 51; }},
         {"hysteresis.exponent", [](AxisLaw& law) { law.hysteresis->exponent = not_a_number; }},
         {"hysteresis.shape", [](AxisLaw& law) { law.hysteresis->shape = 1.01; }},
+        {"branches[1].time_constant", [](AxisLaw& law) { law.branches[1].time_constant = 0; }},
+        {"branches[0].stiffness", [](AxisLaw& law) { law.branches[0].stiffness = -1; }},
+        {"branches",
+         [](AxisLaw& law) {
+             law.branches.resize(kMostBranches + 1, {1, 1});
+         }},
+        {"sliders[0].force", [](AxisLaw& law) { law.sliders[0].force = -1; }},
+        {"sliders[0].yield_displacement", [](AxisLaw& law) { law.sliders[0].yield_displacement = 0; }},
+        {"sliders[0].gap", [](AxisLaw& law) { law.sliders[0].gap = -1e-3; }},
+        {"sliders[0].negative_force", [](AxisLaw& law) { law.sliders[0].negative_force = -1; }},
+        {"sliders[0].exponent", [](AxisLaw& law) { law.sliders[0].exponent = 0.5; }},
+        {"sliders", [](AxisLaw& law) { law.sliders.resize(kMostSliders + 1, law.sliders[0]); }},
         {"stops[1].clearance", [](AxisLaw& law) { law.stops[1].clearance = 0; }},
         {"stops[0].stiffness", [](AxisLaw& law) { law.stops[0].stiffness = not_a_number; }},
         {"stops[1].dissipation", [](AxisLaw& law) { law.stops[1].dissipation = -1; }},
@@ -232,6 +248,8 @@ TEST_CASE("values out of range are named with their key") {
     good.stiffness = 1;
     good.stops = {{Side::positive, 1e-3, 1e5, 0}, {Side::negative, 1e-3, 1e5, 0}};
     good.hysteresis = Hysteresis{1, 1e-4, 1, 0.5};
+    good.branches = {{1, 0.1}, {2, 0.01}};
+    good.sliders = {Slider{1, 1e-4, 1e-3, 2.0, 4.0}};
     REQUIRE_FALSE(findProblem(good));
     for (const Case& bad : cases) {
         AxisLaw law = good;

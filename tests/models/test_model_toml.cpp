@@ -140,6 +140,11 @@ TEST_CASE("every key lands in its place") {
     CHECK(z.hysteresis->yield_displacement == 2e-4);
     CHECK(z.hysteresis->exponent == 1.5);
     CHECK(z.hysteresis->shape == 0.6);
+    REQUIRE(z.branches.size() == 2);
+    CHECK(z.branches[1] == MaxwellBranch{1e4, 0.5});
+    REQUIRE(z.sliders.size() == 2);
+    CHECK(z.sliders[0] == Slider{20, 1e-4, 0, {}, {}});
+    CHECK(z.sliders[1] == Slider{30, 3e-4, 1e-3, 35.0, 4.0});
     CHECK(AxisForce(model.connections[0].axis[1]).calcForce(1e-3, 1, 0, nullptr) == 0);
     REQUIRE(model.bracket.size() == 2);
     CHECK(model.bracket[0].frequency == 34);
