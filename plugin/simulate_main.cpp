@@ -20,6 +20,7 @@
 #include "models/terminal.hpp"
 #include "plugin/base_motion.hpp"
 #include "plugin/linear_command.hpp"
+#include "plugin/prescribed_motion.hpp"
 #include "plugin/response_command.hpp"
 #include "plugin/run_estimate.hpp"
 #include "plugin/run_overview.hpp"
@@ -144,6 +145,7 @@ std::unique_ptr<RecordingWriter> openOutput(const SimulateOptions& options, cons
 void run(const SimulateOptions& options) {
     if (!options.response.empty()) return runResponseCurves(options);
     if (options.isLinear()) return runLinearAnalysis(options);
+    if (!options.motion_file.empty()) return runPrescribedMotion(options);
     const MountModel model = readMountModel(options.model_file);
     const bool data_on_output = options.json_file == "-";
     OutputFiles outputs;

@@ -106,7 +106,7 @@ std::string listExcitations(bool with_form) {
 }
 
 constexpr const char* footer =
-    "and but for --from-csv one of --force, --base-acceleration. The recording starts from the static\n"
+    "and but for --from-csv and --motion one of --force, --base-acceleration. The recording starts from the static\n"
     "equilibrium under the model's gravity; displacements count from there. Exit status: 0 done, 2 bad input or "
     "usage.\n\n"
     "Levels take units, z=1.5g or z=5mm. Example, a sweep at 200 N along z, four octaves per minute, with a micrometre "
@@ -118,6 +118,8 @@ constexpr const char* footer =
     "  simulate smallsat.toml --modes --report modes.html\n"
     "  simulate smallsat.toml --frf 5:100 --base-acceleration z -o transfer.csv\n"
     "  simulate smallsat.toml --modes --psd test.csv --base-acceleration z\n"
+    "What the laws make of the motion of a component test, to compare with the force measured there:\n"
+    "  simulate element.toml --motion machine.csv -o law.csv\n"
     "Both branches of the nonlinear response at four levels:\n"
     "  simulate smallsat.toml --response 5:50 --force z=100,200,300,400 --report response.html";
 
@@ -132,6 +134,9 @@ void chooseExcitation(const std::vector<std::string>& values, SimulateOptions& o
     }
     if (options.isLinear()) return;
     if (!options.response.empty() && given == 0) return;
+    if (!options.motion_file.empty() && given == 0) return;
+    if (!options.motion_file.empty())
+        throw InputError({"", 0, "--motion"}, "says itself how the connections move", "no other excitation");
     if (!options.response.empty())
         throw InputError({"", 0, "--response"}, "is a run of its own", "no other excitation");
     if (given != 1)
@@ -174,6 +179,12 @@ void checkOptions(const SimulateOptions& options) {
         throw InputError({"", 0, "--fade"}, "does not go with --base-displacement", "--base-acceleration");
     if (!options.response.empty()) return checkResponseOptions(options, levels);
     if (options.isLinear()) return checkLinearOptions(options, levels);
+    if (!options.motion_file.empty()) {
+        if (levels != 0)
+            throw InputError({"", 0, "--motion"}, "says itself how the connections move",
+                             "no --force, no --base-acceleration, no --base-displacement");
+        return;
+    }
     if (options.level_is_bare && !(options.kind != nullptr && options.kind->takes_bare_level))
         throw InputError({"", 0, "level"}, "an axis has no value", "values such as z=200, with or without a unit");
     if (options.replay_file.empty() && levels != 1)
@@ -236,6 +247,8 @@ std::optional<SimulateOptions> readOptions(int argc, const char* const* argv) {
     app.add_option("--linear-rate", options.hertz_per_second, "linear sweep rate, Hz per second");
     addInputFile(app, "--from-csv", options.replay_file,
                  std::string("replay the load or base motion of this recording (") + kReadableFormats + ")");
+    addInputFile(app, "--motion", options.motion_file,
+                 "no run: the force of each law along the relative motion of this recording, as on a test machine");
     addInputFile(app, "--columns", options.column_map, "TOML that maps that recording's column names to channel names");
     app.add_option("--force", force, "force at the bracket's load point, N, such as z=200 or x=0.1kN,y=100N");
     app.add_option("--base-acceleration", base, "acceleration of the base, m/s^2, such as z=1.0 or z=1.5g");

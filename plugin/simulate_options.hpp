@@ -27,6 +27,7 @@ struct SimulateOptions {
     const ExcitationKind* kind = nullptr;  ///< nullptr if a recording is replayed
     std::string signal;                    ///< what the user gave to the option of `kind`
     std::string replay_file;               ///< empty otherwise
+    std::string motion_file;               ///< relative motion that the laws follow; empty: a run
 
     // Questions that a model answers without a run.
     bool modes = false;  ///< natural modes and rest position
