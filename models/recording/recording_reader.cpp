@@ -9,6 +9,7 @@
 #include "models/recording/csv_reader.hpp"
 #include "models/recording/csv_rows.hpp"
 #include "models/recording/hdf5_rows.hpp"
+#include "models/recording/json_reader.hpp"
 #include "models/recording/mat_extent.hpp"
 #include "models/recording/mat_reader.hpp"
 #include "models/recording/recording_table.hpp"
@@ -37,18 +38,20 @@ bool isHdf5(std::string_view text) {
 /// How a file begins whose name promises another format than CSV; nullptr if it does not.
 const char* findPromise(const std::string& extension) {
     if (extension == ".h5" || extension == ".hdf5") return "an HDF5 file";
+    if (extension == ".json") return "an object of arrays, or rows of numbers";
     for (const TextFormat& format : textFormats())
         if (std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end())
             return format.beginning;
     return nullptr;
 }
 
-enum class Format { hdf5, mat, text, csv };
+enum class Format { hdf5, mat, json, text, csv };
 
 /// From the beginning of a file, without byte-order mark.
 Format findFormat(std::string_view text, const std::string& extension) {
     if (isHdf5(text)) return Format::hdf5;
     if (text.substr(0, 10) == "MATLAB 5.0" || extension == ".mat") return Format::mat;
+    if (isJson(text)) return Format::json;
     return findTextFormat(text) != nullptr ? Format::text : Format::csv;
 }
 
@@ -64,6 +67,8 @@ Recording readRecording(const std::string& file, const ColumnMap* map) {
         case Format::mat:
             checkMatExtent(text, file);
             return makeRecording(readMat(file, false), map);
+        case Format::json:
+            return makeRecording(readJson(text, file), map);
         case Format::text:
             return makeRecording(findTextFormat(text)->read(text, file), map);
         case Format::csv:
@@ -101,6 +106,7 @@ bool isStreamable(const std::string& file) {
         case Format::hdf5:
             return true;
         case Format::mat:
+        case Format::json:
             return false;
         case Format::csv:
             break;
@@ -119,6 +125,9 @@ std::unique_ptr<RowSource> openRows(const std::string& file, const ColumnMap* ma
             return std::make_unique<Hdf5Rows>(file, map);
         case Format::mat:
             throw InputError({file, 0, {}}, "a MATLAB file of version 4 or 5 is not read in blocks",
+                             "MATLAB 7.3, HDF5, CSV, UFF 58, OpenSim, LabVIEW .lvm");
+        case Format::json:
+            throw InputError({file, 0, {}}, "JSON is not read in blocks",
                              "MATLAB 7.3, HDF5, CSV, UFF 58, OpenSim, LabVIEW .lvm");
         case Format::csv:
             break;

@@ -10,7 +10,7 @@
 namespace wems {
 
 /// For the helps of commands.
-inline constexpr const char* kReadableFormats = "CSV, MATLAB, UFF 58, OpenSim, LabVIEW .lvm";
+inline constexpr const char* kReadableFormats = "CSV, MATLAB, UFF 58, OpenSim, LabVIEW .lvm, JSON";
 
 /// Finds the format from the content, converts to SI, checks and repairs (recording_checks.hpp); every value of the
 /// result is finite and time strictly increases. What was found odd or repaired stands in `warnings`.
