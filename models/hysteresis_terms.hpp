@@ -75,12 +75,26 @@ inline double followBack(double& back, double travel, double exponent, double re
     return travel;
 }
 
+/// The same for n = 1, where both branches are linear and their solutions exponentials.
+template <class T>
+inline double followLinear(double w, double travel, double release) {
+    if (w < 0) {
+        const double rest = 1 - release * w;  // the slope, which decays to 1 where w is 0
+        const double whole = release > 0 ? __builtin_log(rest) / release : -w;
+        if (travel < whole) return release > 0 ? w - rest / release * __builtin_expm1(-release * travel) : w + travel;
+        travel -= whole;
+        w = 0;
+    }
+    return w - (1 - w) * __builtin_expm1(-travel);
+}
+
 /// w after a travel (over Y) in its direction. What is left to the level decays with the rate of calcApproach, which
 /// has bounds, so that no travel is too long. Against the direction, which only the stages of a step go: the tangent.
 template <class T>
 inline double follow(double w, double travel, double exponent, double release) {
     if (!(travel > 0)) return w + travel * calcSlope<T>(w, exponent, release);
     if (exponent > 1e300) return w + travel < 1 ? w + travel : 1.0;  // a corner
+    if (exponent == 1) return followLinear<T>(w, travel, release);
     if (w < 0) {
         double back = -w;
         travel = followBack<T>(back, travel, exponent, release);

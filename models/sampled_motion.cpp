@@ -7,6 +7,9 @@
 namespace wems {
 namespace {
 
+// Intervals that differ by less are one: uniform times differ by the rounding of what is written.
+constexpr double kSameInterval = 1e-9;
+
 /// Displacement where the cubic through two samples with their velocities turns; the end's if it does not.
 double findTurn(double q0, double v0, double q1, double v1, double h) {
     if (!(v0 * v1 < 0)) return q1;
@@ -84,15 +87,17 @@ Eigen::VectorXd calcForceAlong(const AxisLaw& law, const Eigen::VectorXd& time, 
     std::vector<double> z(static_cast<std::size_t>(force.stateCount()), 0.0);
     for (std::size_t b = 0; b < force.branches().size(); ++b) z[b] = q[0];
     Eigen::VectorXd result(q.size());
+    std::vector<double> decay(force.branches().size(), 1.0);
+    double decayed = 0;  // s, over which
     for (Eigen::Index k = 0; k < q.size(); ++k) {
         if (k > 0) {
             const double h = time[k] - time[k - 1], rate = (q[k] - q[k - 1]) / h;
-            std::size_t next = 0;
-            for (const MaxwellBranch& branch : force.branches()) {
-                const double lag = branch.time_constant * rate;
-                z[next] = q[k] - lag + (z[next] - q[k - 1] + lag) * std::exp(-h / branch.time_constant);
-                ++next;
+            for (std::size_t b = 0; b < decay.size(); ++b) {
+                const double tau = force.branches()[b].time_constant, lag = tau * rate;
+                if (std::abs(h - decayed) > kSameInterval * h) decay[b] = std::exp(-h / tau);
+                z[b] = q[k] - lag + (z[b] - q[k - 1] + lag) * decay[b];
             }
+            decayed = h;
             if (drags) {
                 const double turn = findTurn(q[k - 1], v[k - 1], q[k], v[k], h);
                 force.dragStates(turn - q[k - 1], z.data());

@@ -57,6 +57,8 @@ void addFitCommand(CLI::App& app, int& exit_status) {
     command->add_option(
         "--free", options->request.fit.free_body,
         "also identify body.center_of_gravity, body.inertia, or one component such as body.inertia.Ixx");
+    addInputFile(*command, "--validate", options->request.runs.validation,
+                 "recordings that judge the fitted model or law; never fitted to");
     command
         ->add_option("--use", options->request.use,
                      "channels of both parts to use: all, displacements or accelerations alone")
@@ -76,6 +78,11 @@ void addFitCommand(CLI::App& app, int& exit_status) {
         ->add_option("--mass", options->request.component.mass,
                      "kg; the force is then mass x acceleration of the mobile end")
         ->check(isPositive())
+        ->group(element);
+    command
+        ->add_option("--law", options->request.law,
+                     "shape of the law: that of the model, or the one that the tests show (found)")
+        ->check(CLI::IsMember({"model", "found"}))
         ->group(element);
     command->add_option("--from", options->request.component.from, "s, start of the window")->group(element);
     command->add_option("--to", options->request.component.to, "s, end of the window")->group(element);

@@ -8,6 +8,7 @@
 
 #include "identify/cli/command.hpp"
 #include "identify/commands/component_fit.hpp"
+#include "identify/commands/found_law.hpp"
 #include "identify/commands/surface_report.hpp"
 #include "identify/component/friction_model.hpp"
 #include "identify/component/surface_grid.hpp"
@@ -57,13 +58,14 @@ nlohmann::json formatGrid(const SurfaceGrid& grid) {
 }
 
 /// What the best of the laws that were tried leaves of the force.
-double calcLeft(const SurfaceKind& kind) {
-    double best = std::isfinite(kind.history_fraction) ? kind.history_fraction : 1.0;
+double calcLeft(const SurfaceKind& kind, const LawSelection& laws) {
+    double best = laws.law().fraction;
     for (const auto& candidate : kind.candidates) best = std::min(best, candidate.fraction);
     return best;
 }
 
-nlohmann::json formatResult(const ComponentData& data, const SurfaceKind& kind) {
+nlohmann::json formatResult(const ComponentData& data, const SurfaceKind& kind, const LawSelection& laws,
+                            const std::vector<ComponentData>& others) {
     auto candidates = nlohmann::json::array();
     for (const auto& c : kind.candidates)
         candidates.push_back({{"law", c.name},
@@ -71,7 +73,7 @@ nlohmann::json formatResult(const ComponentData& data, const SurfaceKind& kind) 
                               {"criterion", c.information},
                               {"parameters", c.parameters}});
     const bool recorded = data.source == ForceSource::recorded;
-    const double left = calcLeft(kind);
+    const double left = calcLeft(kind, laws);
     return {{"connection", data.connection},
             {"axis", std::string(1, "xyz"[data.axis])},
             {"units", {{"displacement", "m"}, {"velocity", "m/s"}, {"force", "N"}, {"time", "s"}}},
@@ -83,6 +85,7 @@ nlohmann::json formatResult(const ComponentData& data, const SurfaceKind& kind) 
             {"statement", kind.statement},
             {"parameters", formatParameters(kind.parameters)},
             {"residual", {{"fraction", left}}},
+            {"law_with_memory", toJson(laws, others)},
             {"verdict", formatLawVerdict(judgeLaw(left, std::numeric_limits<double>::infinity()))},
             {"candidates", candidates},
             {"effective_samples", kind.effective_samples},
@@ -96,7 +99,8 @@ nlohmann::json formatResult(const ComponentData& data, const SurfaceKind& kind) 
             {"notes", data.notes}};
 }
 
-void printResult(const ComponentData& data, const SurfaceKind& kind) {
+void printResult(const ComponentData& data, const SurfaceKind& kind, const LawSelection& laws,
+                 const std::vector<ComponentData>& others) {
     std::cout << "connection " << data.connection << ", axis "
               << "xyz"[data.axis] << ": " << data.count() << " samples, " << formatNumber(data.time[0], 6) << " to "
               << formatNumber(data.time[data.count() - 1], 6) << " s, displacement "
@@ -105,13 +109,16 @@ void printResult(const ComponentData& data, const SurfaceKind& kind) {
     std::cout << "kind: " << kind.name << (data.qualitative ? " (qualitative)" : "") << ". " << kind.statement
               << "\n\n";
     std::cout << tabulateParameters(kind.parameters).format(outputStyle()) << "\n";
-    Table laws({"law tried", "residual", "criterion"});
+    Table tried({"law tried", "residual", "criterion"});
     for (const auto& c : kind.candidates)
-        laws.addRow({c.name, formatNumber(100 * c.fraction, 3) + " %", formatNumber(c.information, 5)});
+        tried.addRow({c.name, formatNumber(100 * c.fraction, 3) + " %", formatNumber(c.information, 5)});
     if (std::isfinite(kind.history_fraction))
-        laws.addRow({"travel since the reversal", formatNumber(100 * kind.history_fraction, 3) + " %", "-"});
-    std::cout << laws.format(outputStyle());
-    std::cout << describeLawVerdict(judgeLaw(calcLeft(kind), std::numeric_limits<double>::infinity())) << "\n";
+        tried.addRow({"travel since the reversal", formatNumber(100 * kind.history_fraction, 3) + " %", "-"});
+    std::cout << tried.format(outputStyle());
+    // A law with memory is shown where it says more than the laws of displacement and velocity.
+    if (laws.law().terms.memory != LawTerms::Memory::none || laws.law().terms.relaxation || !others.empty())
+        std::cout << formatText(laws, others, outputStyle());
+    std::cout << describeLawVerdict(judgeLaw(calcLeft(kind, laws), std::numeric_limits<double>::infinity())) << "\n";
     for (const auto& note : data.notes) std::cout << "note: " << note << "\n";
     if (data.qualitative)
         std::cout << "note: other connections act on the same body, so that mass times acceleration is not this "
@@ -178,17 +185,19 @@ void runSurface(const SurfaceOptions& options, const CLI::App& command, int& exi
     component.unit_mass_allowed = !isComponentTest(recording);
     progress->step("surface and laws", 0.1);
     const ComponentData data = extractComponent(recording, component);
-    const SurfaceKind kind = characteriseSurface(data, options.low_force);
     std::vector<ComponentData> others;
     for (const auto& file : options.validation)
         others.push_back(extractComponent(readRecording(file, map ? &*map : nullptr), component));
+    progress->step("laws with memory", 0.4);
+    const LawSelection laws = selectLaw({data}, {});
+    const SurfaceKind kind = nameByMemory(characteriseSurface(data, options.low_force), laws);
     progress.reset();
     const bool print = options.common.printsText();
     if (print) {
         for (const auto& warning : recording.warnings) std::cout << "warning: " << warning << "\n";
-        printResult(data, kind);
+        printResult(data, kind, laws, others);
     }
-    nlohmann::json result = formatResult(data, kind);
+    nlohmann::json result = formatResult(data, kind, laws, others);
     if (kind.name.find("friction") == 0) result["friction_element"] = reportFriction(data, others, print);
     if (!options.common.json_file.empty())
         addRecord(result, makeResultRecord(options, component, map ? &*map : nullptr));

@@ -2,18 +2,21 @@
 #include "identify/commands/fit.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "identify/commands/component_fit.hpp"
 #include "identify/commands/fit_report.hpp"
 #include "identify/commands/recordings.hpp"
 #include "identify/component/component_data.hpp"
+#include "identify/component/law_selection.hpp"
 #include "identify/fit/law_verdict.hpp"
 #include "identify/fit/stopwatch.hpp"
 #include "identify/motion/parallel.hpp"
 #include "models/admissible_model.hpp"
 #include "models/error.hpp"
 #include "models/report/html_report.hpp"
+#include "models/sampled_motion.hpp"
 
 namespace wems::identify::commands {
 namespace {
@@ -80,26 +83,58 @@ void fitDevice(const FitRequest& request, const std::vector<Recording>& recordin
     answer.recordings = recordings;
 }
 
+AxisLaw& findLaw(ComponentFit& fit) {
+    return fit.fitted.connections[findElement(fit.fitted, fit.connection)].axis.at(static_cast<std::size_t>(fit.axis));
+}
+
+/// The law that the tests show in place of the model's.
+void adoptLaw(const LawFit& found, ComponentFit& fit) {
+    findLaw(fit) = found.law;
+    fit.parameters = found.parameters;
+    fit.not_identifiable.clear();
+    fit.residual_rms *= fit.residual_fraction > 0 ? found.fraction / fit.residual_fraction : 1;
+    fit.residual_fraction = found.fraction;
+    fit.force_offset = found.force_offset;
+    fit.effective_samples = found.effective_samples;
+    fit.notes.push_back("the law is what the tests show, not the model's: " + found.terms.name());
+}
+
 /// Force over displacement, as measured and as the fitted law has it along the measured motion.
-Plot plotElement(const ComponentData& data, const ComponentFit& fit) {
+Plot plotElement(const ComponentData& data, ComponentFit fit) {
     const Eigen::VectorXd q = 1e3 * data.q;
-    const Connection* connection = fit.fitted.connections.data();
-    for (const Connection& candidate : fit.fitted.connections)
-        if (candidate.name == fit.connection) connection = &candidate;
-    const AxisForce law(connection->axis.at(static_cast<std::size_t>(fit.axis)));
+    const AxisLaw& law = findLaw(fit);
     Plot plot{"Force over displacement: " + data.file, "displacement [mm]", "force [N]", {}, true};
     plot.series.push_back({"measured", {q.begin(), q.end()}, {data.force.begin(), data.force.end()}});
-    if (law.law().friction && !data.has_velocity) return plot;  // its direction is not in the data
+    if (law.friction && !data.has_velocity) return plot;  // its direction is not in the data
     Series fitted{"fitted", {q.begin(), q.end()}, {}};
-    for (Eigen::Index k = 0; k < data.count(); ++k)
-        fitted.y.push_back(law.calcForce(data.q[k], data.velocity[k], data.time[k], nullptr) + fit.force_offset);
+    for (const double f : calcForceAlong(law, data.time, data.q, data.velocity))
+        fitted.y.push_back(f + fit.force_offset);
     plot.series.push_back(std::move(fitted));
     return plot;
 }
 
-void fitElement(const FitRequest& request, std::vector<Recording> recordings, FitAnswer& answer) {
+void fitElement(const FitRequest& request, std::vector<Recording> recordings, const ColumnMap* map, FitAnswer& answer) {
     answer.element = fitComponent(recordings, answer.start, request.component);
     ComponentFit& fit = *answer.element;
+    std::vector<ComponentData> tests;
+    for (const Recording& recording : recordings)
+        tests.push_back(extractComponent(recording, completeOptions(recording, answer.start, request.component)));
+    const bool adopts = request.law == "found";
+    if (adopts || judgeLaw(fit.residual_fraction, std::numeric_limits<double>::infinity()) != LawVerdict::identified) {
+        const LawSelection found = selectLaw(tests, {});
+        const LawFit& law = found.law();
+        if (adopts)
+            adoptLaw(law, fit);
+        else if (law.fraction < fit.residual_fraction)
+            fit.notes.push_back("the model's law leaves " + formatPercent(fit.residual_fraction) +
+                                " of the force, a law with " + law.terms.name() + " " + formatPercent(law.fraction) +
+                                ": --law found fits and writes that one");
+    }
+    for (const RecordingSource& source : request.runs.validation) {
+        const Recording judge = readSource(source, map);
+        const ComponentData test = extractComponent(judge, completeOptions(judge, answer.start, request.component));
+        answer.validation.push_back({judge.file, calcLawError(findLaw(fit), fit.force_offset, test), ""});
+    }
     for (const Recording& recording : recordings)
         for (const auto& warning : recording.warnings) fit.notes.push_back(recording.file + ": " + warning);
     answer.fitted = fit.fitted;
@@ -116,6 +151,7 @@ nlohmann::json describeOptions(const FitRequest& request) {
     if (!element.connection.empty()) options["connection"] = element.connection;
     if (element.axis) options["axis"] = std::string(1, "xyz"[*element.axis]);
     if (element.mass) options["mass"] = *element.mass;
+    if (request.law != "model") options["law"] = request.law;
     if (element.from) options["from"] = *element.from;
     if (element.to) options["to"] = *element.to;
     return options;
@@ -187,7 +223,7 @@ FitAnswer runFit(FitRequest request, Watcher& watcher) {
     }
     answer.timing.clear();
     request.component.time_known = !map || map->has_time || map->sample_interval != 1;
-    fitElement(request, std::move(recordings), answer);
+    fitElement(request, std::move(recordings), map ? &*map : nullptr, answer);
     return answer;
 }
 
@@ -202,7 +238,12 @@ nlohmann::json toJson(const FitAnswer& answer) {
 }
 
 std::string formatText(const FitAnswer& answer, TextStyle style) {
-    if (answer.element) return formatText(*answer.element, style);
+    if (answer.element) {
+        std::string text = formatText(*answer.element, style);
+        for (const ValidationError& test : answer.validation)
+            text += "validation: " + test.file + ": root relative squared error " + formatPercent(test.error) + "\n";
+        return text;
+    }
     const FitResult& fit = *answer.mount;
     std::string text = makeParameterTable(fit).format(style);
     const Table open = makeOpenTable(fit);

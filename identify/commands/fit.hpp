@@ -24,9 +24,11 @@ struct FitRequest {
     MemoryOption memory;
     std::string use = "all";     ///< channels of both parts: `all`, `displacements`, `accelerations`
     ComponentOptions component;  ///< of one element; with an axis or a mass, the recordings are taken as its test
-    bool timing = false;         ///< whether the steps' times are part of the answer
-    bool wants_model = false;    ///< whether the notes say how the fitted model was kept within what a model may hold
-    bool keeps_runs = false;     ///< whether the answer holds what a report draws
+    /// Shape of an element's law: `model`, or `found`: what its tests show (component/law_selection.hpp).
+    std::string law = "model";
+    bool timing = false;       ///< whether the steps' times are part of the answer
+    bool wants_model = false;  ///< whether the notes say how the fitted model was kept within what a model may hold
+    bool keeps_runs = false;   ///< whether the answer holds what a report draws
 };
 
 struct FitAnswer {

@@ -12,20 +12,6 @@
 namespace wems::identify {
 namespace {
 
-/// Integrated autocorrelation 1 + 2 Σ ρ_k up to the first crossing of zero, in samples.
-double calcCorrelationLength(const Eigen::VectorXd& r) {
-    const Eigen::Index n = r.size();
-    const double variance = r.squaredNorm() / static_cast<double>(n);
-    if (variance <= 0) return 1;
-    double length = 1;
-    for (Eigen::Index lag = 1; lag < n / 4; ++lag) {
-        const double rho = r.head(n - lag).dot(r.tail(n - lag)) / (static_cast<double>(n) * variance);
-        if (rho < 0.05) break;
-        length += 2 * rho;
-    }
-    return length;
-}
-
 std::vector<Eigen::Index> makeBlocks(Eigen::Index count, const std::vector<Eigen::Index>& run_starts,
                                      Eigen::Index block_length) {
     std::vector<Eigen::Index> starts;
@@ -39,6 +25,19 @@ std::vector<Eigen::Index> makeBlocks(Eigen::Index count, const std::vector<Eigen
 }
 
 }  // namespace
+
+double calcCorrelationLength(const Eigen::VectorXd& residual) {
+    const Eigen::Index n = residual.size();
+    const double variance = residual.squaredNorm() / static_cast<double>(n);
+    if (variance <= 0) return 1;
+    double length = 1;
+    for (Eigen::Index lag = 1; lag < n / 4; ++lag) {
+        const double rho = residual.head(n - lag).dot(residual.tail(n - lag)) / (static_cast<double>(n) * variance);
+        if (rho < 0.05) break;
+        length += 2 * rho;
+    }
+    return length;
+}
 
 double Estimates::calcHalfWidth(const Eigen::VectorXd& combination) const {
     const double variance = combination.dot(covariance * combination);

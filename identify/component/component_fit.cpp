@@ -44,13 +44,6 @@ Stack stackRecordings(const std::vector<Recording>& recordings, ComponentOptions
     return stack;
 }
 
-int findConnection(const MountModel& model, const std::string& name) {
-    for (std::size_t i = 0; i < model.connections.size(); ++i)
-        if (model.connections[i].name == name) return static_cast<int>(i);
-    if (model.connections.size() == 1) return 0;
-    return model.connectionIndex(name);  // throws, naming those that exist
-}
-
 /// Direction of travel, of each recording on its own.
 Eigen::VectorXd stackDirection(const Stack& stack) {
     Eigen::VectorXd direction(stack.all.count());
@@ -179,6 +172,13 @@ void sortReached(const std::vector<Stop>& stops, const std::vector<Hinge>& hinge
 
 }  // namespace
 
+std::size_t findElement(const MountModel& model, const std::string& name) {
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        if (model.connections[i].name == name) return i;
+    if (model.connections.size() == 1) return 0;
+    return static_cast<std::size_t>(model.connectionIndex(name));  // throws, naming those that exist
+}
+
 ComponentOptions completeOptions(const Recording& recording, const MountModel& model, ComponentOptions options) {
     if (recording.connections(Part::force).empty() && !options.mass) options.mass = model.body.mass;
     return options;
@@ -193,7 +193,7 @@ ComponentFit fitComponent(const std::vector<Recording>& recordings, const MountM
     fit.axis = data.axis;
     fit.notes = data.notes;
     fit.fitted = model;
-    const auto connection = static_cast<std::size_t>(findConnection(model, data.connection));
+    const std::size_t connection = findElement(model, data.connection);
     AxisLaw& law = fit.fitted.connections[connection].axis[static_cast<std::size_t>(data.axis)];
 
     const std::string dropped = keepFittedTerms(law);

@@ -41,6 +41,9 @@ struct ComponentFit {
 /// Where a recording has neither a force nor a mass is given, that of the model's body.
 ComponentOptions completeOptions(const Recording& recording, const MountModel& model, ComponentOptions options);
 
+/// The model's connection that a recording's name means: that of the name, or its only one. @throws InputError
+std::size_t findElement(const MountModel& model, const std::string& name);
+
 /// Fits one axis to all recordings together.
 /// @param options connection and axis as in extractComponent, completed as above. The model's connection is that of the
 /// recording's name, or its only one.

@@ -14,10 +14,25 @@ namespace {
 struct Trial {
     SurfaceCandidate summary;
     bool cubic = false, friction = false;
+    bool physical = true;      ///< no friction that drives, no negative stiffness at rest, beyond their intervals
     bool wide_regions = true;  ///< every region between breakpoints is at least 3 % of the range: narrower is noise
     HingeFit fit;
     Eigen::Index stiffness_column = 1, friction_column = -1, cubic_column = -1, damping_column = -1;
 };
+
+/// Friction that drives the motion, and a stiffness at rest that pushes away from it, are no properties of a mount.
+void checkSigns(Trial& trial) {
+    const Estimates& e = trial.fit.estimates;
+    if (trial.friction_column >= 0)
+        trial.physical = e.value[trial.friction_column] + e.calcHalfWidth(trial.friction_column) >= 0;
+    const auto hinges = static_cast<Eigen::Index>(trial.fit.hinges.size());
+    const Eigen::Index first = e.value.size() - 2 * hinges;
+    Eigen::VectorXd at_rest = Eigen::VectorXd::Zero(e.value.size());
+    at_rest[trial.stiffness_column] = 1;
+    for (Eigen::Index j = 0; j < hinges; ++j)
+        if (trial.fit.hinges[static_cast<std::size_t>(j)].position < 0) at_rest[first + j] = 1;
+    trial.physical = trial.physical && at_rest.dot(e.value) + e.calcHalfWidth(at_rest) >= 0;
+}
 
 Trial tryLaw(const ComponentData& data, int hinges, bool cubic, bool friction) {
     Trial trial;
@@ -61,6 +76,7 @@ Trial tryLaw(const ComponentData& data, int hinges, bool cubic, bool friction) {
             }
         }
     }
+    checkSigns(trial);
     const double low = data.q.minCoeff(), high = data.q.maxCoeff();
     double last = low;
     for (const auto& hinge : trial.fit.hinges) {
@@ -212,7 +228,7 @@ SurfaceKind characteriseSurface(const ComponentData& data, double low_force) {
     kind.effective_samples = static_cast<double>(data.count()) / closest->fit.estimates.correlation_length;
     double best = std::numeric_limits<double>::infinity();
     for (auto& trial : trials) {
-        if (!trial.wide_regions) continue;
+        if (!trial.wide_regions || !trial.physical) continue;
         auto& s = trial.summary;
         s.information = kind.effective_samples * 2.0 * std::log(std::max(s.fraction, 1e-12)) +
                         s.parameters * std::log(kind.effective_samples);
@@ -223,7 +239,7 @@ SurfaceKind characteriseSurface(const ComponentData& data, double low_force) {
     std::sort(trials.begin(), trials.end(),
               [](const Trial& a, const Trial& b) { return a.summary.parameters < b.summary.parameters; });
     const auto chosen = std::find_if(trials.begin(), trials.end(), [&](const Trial& trial) {
-        return trial.wide_regions && trial.summary.information <= best + 6.0;
+        return trial.wide_regions && trial.physical && trial.summary.information <= best + 6.0;
     });
     if (chosen == trials.end())
         throw InputError({data.file, 0, ""},
