@@ -16,6 +16,10 @@ namespace {
 constexpr double kFarClearances[] = {0.55, 0.75, 1.3};
 // A stop that the model lacks is sought at these parts of the largest displacement.
 constexpr double kMissingStops[] = {0.35, 0.55, 0.75, 0.9};
+// Sliding of a hysteresis is sought at these parts of the largest displacement.
+constexpr double kYields[] = {0.1, 0.4};
+constexpr double kStillAxis =
+    0.05;  // of the largest displacement of any axis: one that moves less shows no stop or loop
 constexpr double kCommonReach = 0.5;  // of the number, of a factor that many share
 constexpr int kHats = 10;             // of the load's gain over the swept band
 constexpr double kHatReach = 0.5;
@@ -124,6 +128,7 @@ private:
         addNumber("stiffness_drift", "drift", true);
         for (const double corner : {0.5 * scales_.lowest, std::sqrt(scales_.lowest * scales_.highest), scales_.highest})
             addRelaxation(1 / (kTwoPi * corner));
+        for (const double part : kYields) addHysteresis(part);
     }
 
     int addProbe(const Probe& probe) {
@@ -131,43 +136,65 @@ private:
         return static_cast<int>(table_.size() + result_.columns.probes.size()) - 1;
     }
 
-    void addRelaxation(double tau) {
+    /// A mechanism with an amplitude, zero in the model, and a shape in which the law is not linear: sought at one
+    /// value of the shape, moved from there.
+    /// @param shapeOf value at a connection and axis; 0 where the mechanism is not sought
+    void addShaped(const std::string& cause, const std::string& amplitude, const std::string& shape,
+                   const std::function<double(int i, int a)>& shapeOf) {
         std::map<std::pair<int, int>, int> probes;
         const auto probeOf = [&](int i, int a) {
-            const int ratio = row(placeOf(i, a) + ".stiffness_ratio"), constant = row(placeOf(i, a) + ".time_constant");
-            const auto& law = model_.connections[static_cast<std::size_t>(i)].axis[static_cast<std::size_t>(a)];
-            if (ratio < 0 || law.stiffness == 0 || law.relaxation) return -1;
+            const int size = row(placeOf(i, a) + "." + amplitude), form = row(placeOf(i, a) + "." + shape);
+            const double value = shapeOf(i, a);
+            if (size < 0 || !(value > 0)) return -1;
             const auto found = probes.find({i, a});
             if (found != probes.end()) return found->second;
-            return probes[{i, a}] = addProbe({ratio, at(ratio).step, {{constant, tau}}});
+            return probes[{i, a}] = addProbe({size, at(size).step, {{form, value}}});
         };
         const auto addSet = [&](const std::vector<std::pair<int, int>>& axes) {
-            Direction direction, ratios, constants;
+            Direction direction, sizes, forms;
             Hypothesis hypothesis;
-            hypothesis.cause = "relaxation";
+            hypothesis.cause = cause;
             for (const auto& [i, a] : axes) {
                 const int probe = probeOf(i, a);
                 if (probe < 0) continue;
-                const int ratio = row(placeOf(i, a) + ".stiffness_ratio"),
-                          constant = row(placeOf(i, a) + ".time_constant");
+                const int size = row(placeOf(i, a) + "." + amplitude), form = row(placeOf(i, a) + "." + shape);
+                const double value = shapeOf(i, a);
                 hypothesis.where.push_back(placeOf(i, a));
-                direction.emplace_back(probe, at(ratio).reach);
-                ratios.emplace_back(ratio, at(ratio).reach);
-                constants.emplace_back(constant, tau);
-                hypothesis.start.emplace_back(constant, tau);
-                hypothesis.moves.emplace_back(probe, ratio);
-                hypothesis.reported.push_back(ratio);
-                hypothesis.reported.push_back(constant);
+                direction.emplace_back(probe, at(size).reach);
+                sizes.emplace_back(size, at(size).reach);
+                forms.emplace_back(form, value);
+                hypothesis.start.emplace_back(form, value);
+                hypothesis.moves.emplace_back(probe, size);
+                hypothesis.reported.push_back(size);
+                hypothesis.reported.push_back(form);
             }
             if (direction.empty()) return;
             hypothesis.directions = {direction};
-            hypothesis.tangent = {ratios, constants};
+            hypothesis.tangent = {sizes, forms};
             result_.hypotheses.push_back(hypothesis);
         };
         for (int i = 0; i < static_cast<int>(model_.connections.size()); ++i)
             for (int a = 0; a < 3; ++a) addSet({{i, a}});
         forGroups([&](const auto& axes) {
             if (axes.size() > 1) addSet(axes);
+        });
+    }
+
+    const AxisLaw& lawOf(int i, int a) const {
+        return model_.connections[static_cast<std::size_t>(i)].axis[static_cast<std::size_t>(a)];
+    }
+
+    void addRelaxation(double tau) {
+        addShaped("relaxation", "stiffness_ratio", "time_constant",
+                  [&, tau](int i, int a) { return lawOf(i, a).stiffness == 0 || lawOf(i, a).relaxation ? 0.0 : tau; });
+    }
+
+    /// @param part of the largest displacement of the axis, where sliding begins
+    void addHysteresis(double part) {
+        addShaped("hysteresis", "hysteresis_force", "yield_displacement", [&, part](int i, int a) {
+            const Eigen::Index at_row = 3 * i + a;
+            const double reached = std::max(reach_.positive[at_row], reach_.negative[at_row]);
+            return lawOf(i, a).hysteresis || reached < kStillAxis * scales_.displacement ? 0.0 : part * reached;
         });
     }
 
@@ -249,7 +276,7 @@ private:
     void addMissingStop(const StopRow& stop) {
         const Eigen::Index at_row = 3 * stop.connection + stop.axis;
         const double reached = stop.stop->side == Side::positive ? reach_.positive[at_row] : reach_.negative[at_row];
-        if (!(reached > 0.05 * scales_.displacement)) return;
+        if (!(reached > kStillAxis * scales_.displacement)) return;
         for (const double part : kMissingStops) {
             const double c = part * reached;
             const int probe = addProbe({stop.stiffness, at(stop.stiffness).step, {{stop.clearance, c}}});
@@ -404,7 +431,8 @@ std::string findSeparatingRun(const std::string& named, const std::string& rival
     if (involves("stiffness_drift")) return "a downward sweep of the same level";
     if (involves("relaxation") || involves("structural_damping"))
         return "a dwell at two frequencies an octave apart, same level";
-    if (involves("friction") || involves("cubic_stiffness")) return "the same sweep at a quarter of the level";
+    if (involves("friction") || involves("hysteresis") || involves("cubic_stiffness"))
+        return "the same sweep at a quarter of the level";
     if (involves("clearance") || involves("stop_stiffness") || involves("stop_dissipation"))
         return "a higher level, which presses the stop further";
     return "a sweep at another level and along another axis";

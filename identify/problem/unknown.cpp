@@ -126,6 +126,7 @@ private:
             },
             1e-3 * tau);
         table_.back().step = 1e-3 * tau;
+        addHysteresis(i, a, 0.2 * force, 0.2 * q);
         if (law.stops.empty()) return;
         addNumber(i, a, "offset", &AxisLaw::offset, "m", 0, kReach * law.stops.front().clearance);
         for (std::size_t s = 0; s < law.stops.size(); ++s) {
@@ -150,6 +151,24 @@ private:
                 for (Stop& stop : l.stops) stop.dissipation = value;
             },
             0);
+    }
+
+    /// @param size of its force, N
+    /// @param yield where it slides if the model does not say, m
+    void addHysteresis(int i, int a, double size, double yield) {
+        const auto addOne = [&](const char* key, const char* unit, double Hysteresis::*member, double absent,
+                                double reach, double least) {
+            addLaw(
+                i, a, key, unit, 0, reach,
+                [=](const AxisLaw& l) { return l.hysteresis ? (*l.hysteresis).*member : absent; },
+                [=](AxisLaw& l, double value) {
+                    if (!l.hysteresis) l.hysteresis = Hysteresis{0, yield, 1, 0.5};
+                    (*l.hysteresis).*member = value;
+                },
+                least);
+        };
+        addOne("hysteresis_force", "N", &Hysteresis::force, 0, size, 0);
+        addOne("yield_displacement", "m", &Hysteresis::yield_displacement, yield, yield, 1e-3 * yield);
     }
 
     void addLaws() {

@@ -229,6 +229,7 @@ MountModel TestProblem::cleanModel(const TestPoint& point) const {
                             law.stops.end());
             if (law.relaxation && law.relaxation->stiffness_ratio == 0) law.relaxation.reset();
             if (law.friction && law.friction->force == 0) law.friction.reset();
+            if (law.hysteresis && law.hysteresis->force == 0) law.hysteresis.reset();
         }
     return model;
 }
