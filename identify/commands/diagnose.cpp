@@ -6,8 +6,11 @@
 
 #include "identify/commands/diagnosis_output.hpp"
 #include "identify/commands/diagnosis_report.hpp"
+#include "identify/commands/element_report.hpp"
 #include "identify/commands/recordings.hpp"
+#include "identify/component/component_diagnosis.hpp"
 #include "models/admissible_model.hpp"
+#include "models/error.hpp"
 
 namespace wems::identify::commands {
 namespace {
@@ -50,6 +53,22 @@ private:
     bool known_ = true;
 };
 
+/// Tests of one element; false if the first recording is of a device.
+bool readElementTests(const RunSelection& runs, const ColumnMap* map, DiagnoseAnswer& answer) {
+    for (const auto& [sources, group] :
+         {std::pair(&runs.recordings, &answer.identification), std::pair(&runs.validation, &answer.validation)})
+        for (const RecordingSource& source : *sources) {
+            Recording recording = readSource(source, map);
+            if (!isComponentTest(recording)) {
+                if (answer.identification.empty()) return false;
+                throw InputError({source.file, 0, ""}, "a component test and a recording of a whole device",
+                                 "recordings of one kind in one diagnosis");
+            }
+            group->push_back(std::move(recording));
+        }
+    return true;
+}
+
 }  // namespace
 
 DiagnoseAnswer runDiagnosis(DiagnoseRequest request, Watcher& watcher) {
@@ -62,12 +81,25 @@ DiagnoseAnswer runDiagnosis(DiagnoseRequest request, Watcher& watcher) {
     addInputs(answer.record, runs, answer.model);
     answer.record.tolerances = listTolerances(answer.model);
     watcher.onInputs(listFiles(answer.record));
-    if (const auto map = readDeviceMap(runs.columns, answer.model)) answer.record.addColumns(*map);
+    const std::optional<ColumnMap> map = readDeviceMap(runs.columns, answer.model);
+    if (map) answer.record.addColumns(*map);
     for (const RecordingSource& judge : runs.validation)
         for (const RecordingSource& fitted : runs.recordings)
             if (judge.file == fitted.file && judge.loaded == fitted.loaded)
                 answer.warnings.push_back(judge.file + " is fitted to and judges too, which flatters every cause");
     watcher.onStep("reading", 0, 1);
+    DiagnosisOptions options;
+    if (readElementTests(runs, map ? &*map : nullptr, answer)) {
+        answer.element = true;
+        ComponentOptions component;
+        component.time_known = !map || map->has_time || map->sample_interval != 1;
+        options.progress = [&](const std::string& text) { watcher.onStep(text, 0, 1); };
+        answer.diagnosis =
+            diagnoseComponent(answer.identification, answer.validation, answer.model, component, options);
+        answer.extended = answer.diagnosis.extended;
+        answer.notes = makeAdmissible(answer.model, answer.extended);
+        return answer;
+    }
     answer.identification = readDeviceRecordings(runs.recordings, runs.columns, answer.model);
     answer.validation = readDeviceRecordings(runs.validation, runs.columns, answer.model);
     checkFitStart(answer.model, runs.model.file);
@@ -75,7 +107,6 @@ DiagnoseAnswer runDiagnosis(DiagnoseRequest request, Watcher& watcher) {
         checkSampleRate(*group, answer.model);
         checkDisplacements(*group, answer.model);
     }
-    DiagnosisOptions options;
     StepShares shares;
     options.progress = [&](const std::string& text) { watcher.onStep(text, shares.findBegin(text), 1); };
     answer.diagnosis = diagnose(answer.identification, answer.validation, answer.model, options);
@@ -104,6 +135,7 @@ std::string formatText(const DiagnoseAnswer& answer, TextStyle style) {
 }
 
 void writeReport(const DiagnoseAnswer& answer, const std::string& file, OutputFiles& outputs) {
+    if (answer.element) return writeElementReport(answer, file, outputs);
     writeDiagnosisReport(answer.diagnosis, answer.model, {answer.identification, answer.validation}, answer.title, file,
                          outputs);
 }

@@ -8,6 +8,7 @@
 
 #include "identify/commands/campaign.hpp"
 #include "identify/commands/watcher.hpp"
+#include "identify/component/component_data.hpp"
 #include "identify/diagnose/diagnosis.hpp"
 #include "models/atomic_file.hpp"
 #include "models/terminal.hpp"
@@ -20,8 +21,9 @@ struct DiagnoseRequest {
 
 struct DiagnoseAnswer {
     Diagnosis diagnosis;
-    MountModel model;     ///< as given
-    MountModel extended;  ///< within what a model may hold
+    MountModel model;      ///< as given
+    MountModel extended;   ///< within what a model may hold
+    bool element = false;  ///< the recordings are tests of one element
     std::vector<Recording> identification, validation;
     std::vector<std::string> warnings;  ///< about the choice of runs
     std::vector<std::string> notes;     ///< how the extended model was brought within what a model may hold

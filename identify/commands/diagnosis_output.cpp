@@ -119,7 +119,8 @@ std::vector<std::vector<std::string>> tabulateCandidates(const Decision& decisio
 
 std::string describeDecision(const Decision& decision) {
     return (decision.causes.empty() ? "no cause" : joinWords(decision.causes, ", ")) + " (" + decision.action +
-           "); misfit of the mount's equation " + formatNumber(decision.misfit.front(), 4);
+           (decision.misfit.empty() ? std::string(")")
+                                    : "); misfit of the mount's equation " + formatNumber(decision.misfit.front(), 4));
 }
 
 std::vector<std::vector<std::string>> tabulateAdjustments(const Diagnosis& diagnosis) {
@@ -169,8 +170,9 @@ std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
     if (!diagnosis.validated)
         text +=
             "No validation recordings: the identification recordings judge themselves, which flatters every cause.\n";
-    text += "\nEquations of motion along the measured motion: misfit " + formatNumber(diagnosis.misfit_before, 4) +
-            " before, " + formatNumber(diagnosis.misfit_after, 4) + " after (1 = noise alone)\n";
+    text += std::string("\n") + (diagnosis.of_element ? "Force" : "Equations of motion") +
+            " along the measured motion: misfit " + formatNumber(diagnosis.misfit_before, 4) + " before, " +
+            formatNumber(diagnosis.misfit_after, 4) + " after (1 = noise alone)\n";
     for (std::size_t r = 0; r < diagnosis.decisions.size(); ++r) {
         text += "\nRound " + std::to_string(r + 1) + ": " + describeDecision(diagnosis.decisions[r]) + "\n";
         Table table({"candidate", "where", "log odds"});
@@ -201,7 +203,8 @@ std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
             for (const auto& p : rival.parameters) text += " " + p.name + " = " + formatNumber(p.value);
             text += " ); to separate: " + rival.separate_by + "\n";
         }
-    std::vector<std::string> columns{"free simulation", "before", "after", "noise alone"};
+    std::vector<std::string> columns{diagnosis.of_element ? "force" : "free simulation", "before", "after",
+                                     "noise alone"};
     if (usesTolerances(diagnosis)) columns.insert(columns.begin() + 2, "adjusted");
     Table errors(columns);
     for (const auto& row : tabulateErrors(diagnosis)) errors.addRow(row);

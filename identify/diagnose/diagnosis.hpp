@@ -85,6 +85,7 @@ struct Diagnosis {
     std::vector<Adjustment> adjustments;         ///< of which the recordings say something
     std::vector<std::string> unexplained_where;  ///< connection.axis, `bracket`, then `free` or `contact`
     MountModel extended;
+    bool of_element = false;   ///< errors are of an element's force, not of a free simulation's displacements
     bool validated = false;    ///< false: the identification runs had to judge themselves
     double misfit_before = 0;  ///< open-loop misfit of the validation runs per value; 1 for a perfect model
     double misfit_after = 0;

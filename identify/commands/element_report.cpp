@@ -1,0 +1,59 @@
+#include "identify/commands/element_report.hpp"
+
+#include "identify/commands/diagnosis_output.hpp"
+#include "identify/component/component_fit.hpp"
+#include "models/report/html_report.hpp"
+#include "models/sampled_motion.hpp"
+
+namespace wems::identify::commands {
+namespace {
+
+std::vector<double> toVector(const Eigen::VectorXd& values) {
+    return {values.begin(), values.end()};
+}
+
+/// Of one axis of a model along a test, with the constant force that the test has.
+Eigen::VectorXd calcForce(const MountModel& model, const ComponentData& test) {
+    const Connection& connection = model.connections[findElement(model, test.connection)];
+    const AxisLaw& law = connection.axis.at(static_cast<std::size_t>(test.axis));
+    Eigen::VectorXd force = calcForceAlong(law, test.time, test.q, test.velocity);
+    force.array() += test.force.mean() - force.mean();
+    return force;
+}
+
+void addTest(const Recording& recording, const DiagnoseAnswer& answer, const std::string& role, HtmlReport& page) {
+    const ComponentData test = extractComponent(recording, completeOptions(recording, answer.model, {}));
+    const std::vector<double> q = toVector(1e3 * test.q), time = toVector(test.time);
+    const std::vector<double> measured = toVector(test.force), believed = toVector(calcForce(answer.model, test)),
+                              extended = toVector(calcForce(answer.extended, test));
+    page.addPlot({"Force over displacement, " + role + ": " + test.file,
+                  "displacement [mm]",
+                  "force [N]",
+                  {{"measured", q, measured}, {"as modelled", q, believed}, {"extended", q, extended}},
+                  true});
+    page.addPlot({"Force over time, " + role + ": " + test.file,
+                  "time [s]",
+                  "force [N]",
+                  {{"measured", time, measured}, {"as modelled", time, believed}, {"extended", time, extended}}});
+}
+
+}  // namespace
+
+void writeElementReport(const DiagnoseAnswer& answer, const std::string& file, OutputFiles& outputs) {
+    const Diagnosis& diagnosis = answer.diagnosis;
+    HtmlReport page("Element on a test machine: " + answer.title);
+    page.addText("Verdict: " + formatVerdict(diagnosis.verdict) + ".");
+    page.addTable({"error of the force", "identification", "validation"}, tabulateErrors(diagnosis));
+    if (!diagnosis.causes.empty())
+        page.addTable({"cause", "probability", "gain", "parameter", "value", "95 % from", "to", "unit"},
+                      tabulateCauses(diagnosis));
+    if (!diagnosis.adjustments.empty())
+        page.addTable({"adjusted", "believed", "tolerance", "value", "95 % from", "to", "unit"},
+                      tabulateAdjustments(diagnosis));
+    for (const Recording& recording : answer.identification) addTest(recording, answer, "identification", page);
+    for (const Recording& recording : answer.validation) addTest(recording, answer, "validation", page);
+    for (const auto& note : diagnosis.notes) page.addText(note);
+    page.write(file, outputs);
+}
+
+}  // namespace wems::identify::commands
