@@ -10,6 +10,7 @@
 #include "models/error.hpp"
 #include "models/terminal.hpp"
 #include "plugin/linear_analysis.hpp"
+#include "plugin/run_settings.hpp"
 
 namespace wems::plugin {
 
@@ -64,7 +65,9 @@ void runLinearAnalysis(const SimulateOptions& options) {
     if (!options.output_file.empty()) outputs.add(options.output_file, formatAnalysisCsv(analysis));
     if (!options.report_file.empty())
         writeAnalysisReport(analysis, readDrawing(options.model_file), options.report_file, outputs);
-    finishOutputs(options, makeAnalysisJson(analysis), formatAnalysis(analysis, styleOf(STDOUT_FILENO)), outputs);
+    nlohmann::json result = makeAnalysisJson(analysis);
+    addRecord(result, makeRecord(options, "modes", model));
+    finishOutputs(options, result, formatAnalysis(analysis, styleOf(STDOUT_FILENO)), outputs);
 }
 
 }  // namespace wems::plugin

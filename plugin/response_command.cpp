@@ -9,6 +9,7 @@
 #include "models/format_number.hpp"
 #include "models/progress.hpp"
 #include "plugin/linear_command.hpp"
+#include "plugin/run_settings.hpp"
 
 namespace wems::plugin {
 namespace {
@@ -89,8 +90,9 @@ void runResponseCurves(const SimulateOptions& options) {
     progress.reset();
     if (!options.output_file.empty()) outputs.add(options.output_file, formatResponseCsv(model, levels));
     if (!options.report_file.empty()) writeResponseReport(model, levels, options.report_file, outputs);
-    finishOutputs(options, makeResponseJson(model, levels), formatResponses(model, levels, styleOf(STDOUT_FILENO)),
-                  outputs);
+    nlohmann::json result = makeResponseJson(model, levels);
+    addRecord(result, makeRecord(options, "response", model));
+    finishOutputs(options, result, formatResponses(model, levels, styleOf(STDOUT_FILENO)), outputs);
 }
 
 }  // namespace wems::plugin

@@ -1,6 +1,7 @@
 #include "plugin/run_settings.hpp"
 
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "models/format_number.hpp"
@@ -26,6 +27,40 @@ std::string describeNoise(const SensorNoise& noise) {
     add("load", noise.load, "N");
     add("base", noise.base, "m/s^2");
     return text.empty() ? "none" : text + " RMS";
+}
+
+nlohmann::json listAxes(const Eigen::Vector3d& v) {
+    return {v.x(), v.y(), v.z()};
+}
+
+template <class Value>
+nlohmann::json valueOrNull(const std::optional<Value>& value) {
+    return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+nlohmann::json describeRun(const SimulateOptions& options) {
+    const SensorNoise& noise = options.noise;
+    auto channels = nlohmann::json::array();
+    if (options.channels.displacement) channels.emplace_back("displacement");
+    if (options.channels.velocity) channels.emplace_back("velocity");
+    if (options.channels.acceleration) channels.emplace_back("acceleration");
+    return {{"base_displacement", listAxes(options.base_displacement)},
+            {"octaves_per_minute", valueOrNull(options.octaves_per_minute)},
+            {"hertz_per_second", valueOrNull(options.hertz_per_second)},
+            {"downwards", options.downwards},
+            {"q", valueOrNull(options.quality)},
+            {"fade", options.fade},
+            {"duration", valueOrNull(options.duration)},
+            {"sample_rate", valueOrNull(options.sample_rate)},
+            {"channels", channels},
+            {"noise",
+             {{"displacement", noise.displacement},
+              {"velocity", noise.velocity},
+              {"acceleration", noise.acceleration},
+              {"load", noise.load},
+              {"base", noise.base}}},
+            {"seed", options.seed},
+            {"accuracy", options.accuracy}};
 }
 
 }  // namespace
@@ -57,6 +92,31 @@ Recording makeHeader(const SimulateOptions& options, const MountModel& model, co
                        {"seed", std::to_string(options.seed)},
                        {"accuracy", formatNumber(options.accuracy)}};
     return header;
+}
+
+ResultRecord makeRecord(const SimulateOptions& options, const std::string& command, const MountModel& model,
+                        bool in_memory) {
+    ResultRecord record;
+    record.program = "wems simulate " WEMS_VERSION;
+    record.command = command;
+    record.addInput("model", in_memory ? model.name : options.model_file, in_memory);
+    record.addInput("bracket modes", in_memory ? "" : model.bracket_path);
+    if (options.kind != nullptr && std::string(options.kind->form) == "FILE")
+        record.addInput("excitation", options.signal);
+    record.addInput("recording", options.replay_file);
+    record.addInput("columns", options.column_map);
+    if (command == "simulate") record.options = describeRun(options);
+    if (command == "modes") record.options["frf"] = options.band;
+    if (command == "response") {
+        record.options["response"] = options.response;
+        record.options["harmonics"] = options.harmonics;
+        return record;  // its levels stand with their curves
+    }
+    record.options["excitation"] = options.kind != nullptr ? options.kind->option + 2 : "";
+    record.options["signal"] = options.signal;
+    record.options["force"] = listAxes(options.force);
+    record.options["base_acceleration"] = listAxes(options.base_acceleration);
+    return record;
 }
 
 }  // namespace wems::plugin

@@ -147,9 +147,8 @@ void run(const SimulateOptions& options) {
     if (options.isLinear()) return runLinearAnalysis(options);
     if (!options.motion_file.empty()) return runPrescribedMotion(options);
     const MountModel model = readMountModel(options.model_file);
-    const bool data_on_output = options.json_file == "-";
     OutputFiles outputs;
-    checkOutputs({options.output_file, data_on_output ? "" : options.json_file, options.report_file},
+    checkOutputs({options.output_file, options.json_file == "-" ? "" : options.json_file, options.report_file},
                  {model.bracket_path});
     const Excitation excitation = makeExcitation(options);
     const SampleTimes& times = excitation.times;
@@ -207,18 +206,14 @@ void run(const SimulateOptions& options) {
     const RunDescription description{model, *excitation.drive, result, excitation.time_offset};
     if (!options.report_file.empty())
         writeHtmlSummary(description, header, overview, connections, *scene, options.report_file, outputs);
-    // Names of files need not be UTF-8.
-    const std::string json =
-        makeSummaryJson(description).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    if (data_on_output) {
-        std::cout << json;
-    } else if (!options.json_file.empty()) {
-        outputs.add(options.json_file, json);
+    nlohmann::json summary;
+    if (!options.json_file.empty()) {
+        summary = makeSummaryJson(description);
+        summary["notes"] = notes;
+        addRecord(summary, makeRecord(options, "simulate", model));
     }
-    if (!options.quiet && !data_on_output) std::cout << formatSummary(description, styleOf(STDOUT_FILENO));
+    finishOutputs(options, summary, formatSummary(description, styleOf(STDOUT_FILENO)), outputs);
     for (const std::string& note : notes) std::cerr << "simulate: note: " << note << "\n";
-    flushStandardOutput();
-    outputs.commit();
 }
 
 int work(int argc, char** argv) {

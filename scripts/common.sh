@@ -11,7 +11,8 @@ build_packages="ca-certificates g++ cmake ninja-build ccache libeigen3-dev libsi
 test_packages="xz-utils catch2 clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev
   chromium chromium-driver python3-selenium help2man snakemake python3-h5py python3-jsonschema
   python3-sphinx python3-myst-parser furo python3-matplotlib
-  pybind11-dev python3-dev python3-pytest python3-numpy python3-pandas python3-xarray"
+  pybind11-dev python3-dev python3-pytest python3-numpy python3-pandas python3-xarray python3-scipy
+  mypy python3-nbclient python3-ipykernel octave"
 
 # Many sources at once, which saves Eigen from being read and compiled anew for each; for work on single files leave it out.
 joined="-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16"

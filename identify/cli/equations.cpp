@@ -52,10 +52,12 @@ void runEquations(const EquationsOptions& options) {
         ResultRecord record = beginRecord("equations");
         record.addInput("recording", options.recording);
         record.addInput("model", options.model);
+        record.addInput("columns", options.common.column_map);
+        if (map) record.addColumns(*map);
         record.options = {{"free", options.fit.free_body}, {"use", options.use}};
         nlohmann::json result{{"file", options.output},
                               {"equations", equations},
-                              {"columns", run.equations.columns.cols()},
+                              {"unknowns", run.equations.columns.cols()},
                               {"notes", run.motion.notes}};
         addRecord(result, record);
         writeJson(result, options.common, outputs);

@@ -1,5 +1,7 @@
 #include "identify/commands/schemas.hpp"
 
+#include <utility>
+
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 
@@ -23,6 +25,12 @@ nlohmann::json makeSchema(const std::string& command) {
         throw InputError({}, "there is no schema of `" + command + "`", joinWords(listSchemas()));
     const auto shared = nlohmann::json::parse(schemaTexts().at(kShared));
     auto schema = nlohmann::json::parse(found->second);
+    if (const auto like = schema.find("like"); like != schema.end()) {
+        auto same = nlohmann::json::parse(schemaTexts().at(*like));
+        schema.erase(like);
+        same.update(schema);
+        schema = std::move(same);
+    }
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema";
     schema["$defs"] = shared.at("$defs");
     schema["properties"].update(shared.at("record").at("properties"));

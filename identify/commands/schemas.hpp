@@ -9,7 +9,9 @@
 
 namespace wems::identify::commands {
 
-/// The files of the folder `schema`: of each command its own part, of `definitions` what all share.
+/// The files of the folder `schema`: of each command its own part, of `definitions` what all share. `like` names the
+/// command whose part is the same but for the keys beside it. Those of simulate are there too, so that one command
+/// prints them all.
 const std::map<std::string, std::string>& schemaTexts();
 
 /// Commands that have a schema.

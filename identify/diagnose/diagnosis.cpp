@@ -54,6 +54,18 @@ bool moveSideFaults(const Selection& selection, std::vector<ChannelFault>& fault
     return moved;
 }
 
+/// Of each cause what its gain says: the validation error without it, all others refitted.
+void addShares(Diagnosis& result) {
+    const double before = result.error_before.validation, after = result.error_after.validation;
+    for (Cause& cause : result.causes) {
+        const double without = after * std::pow(10, cause.gain_db / 20);
+        cause.share =
+            before > after
+                ? std::clamp((without * without - after * after) / (before * before - after * after), 0.0, 1.0)
+                : 0;
+    }
+}
+
 /// With every number of the model and of the sensors exactly known but for the causes.
 Diagnosis diagnoseExact(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
                         const MountModel& model, const DiagnosisOptions& options) {
@@ -93,6 +105,7 @@ Diagnosis diagnoseExact(const std::vector<Recording>& identification, const std:
     result.misfit_after = pass->selection.validation_after;
     result.rounds = pass->selection.rounds;
     result.error_adjusted = result.error_before;
+    addShares(result);
     return result;
 }
 

@@ -111,7 +111,9 @@ Answer calcResponse(const std::shared_ptr<MountModel>& given, const std::vector<
             watcher.onProgress(done, level);
         });
     }));
-    return {makeResponseJson(*model, *levels).dump(), formatResponses(*model, *levels, TextStyle::plain),
+    nlohmann::json result = makeResponseJson(*model, *levels);
+    addRecord(result, makeRecord(options, "response", *model, true));
+    return {result.dump(), formatResponses(*model, *levels, TextStyle::plain),
             [model, levels](const std::string& file) {
                 OutputFiles outputs;
                 writeResponseReport(*model, *levels, file, outputs);
@@ -125,8 +127,9 @@ Answer calcModes(const std::shared_ptr<MountModel>& given, const std::vector<std
     const SimulateOptions options = parseWords(words);
     const auto analysis = std::make_shared<const LinearAnalysis>(
         follow(progress, [&](Watcher&) { return analyseLinearly(model, makeQuestion(options)); }));
-    return {makeAnalysisJson(*analysis).dump(), formatAnalysis(*analysis, TextStyle::plain),
-            [analysis](const std::string& file) {
+    nlohmann::json result = makeAnalysisJson(*analysis);
+    addRecord(result, makeRecord(options, "modes", model, true));
+    return {result.dump(), formatAnalysis(*analysis, TextStyle::plain), [analysis](const std::string& file) {
                 OutputFiles outputs;
                 writeAnalysisReport(*analysis, {}, file, outputs);  // a model in memory has no drawing
                 outputs.commit();

@@ -42,6 +42,7 @@ CONTENTS = {
         "models/README",
         "models/recording/README",
         "identify/python/README",
+        "identify/matlab/README",
         "plugin/README",
         "scripts/manual_pages/names",
         "scripts/manual_pages/result_files",

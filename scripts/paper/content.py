@@ -134,15 +134,15 @@ def lateral(page, r):
     for title, f in (("without noise", fit), ("with 1 µm and 0.01 m/s² noise", noisy)):
         page.text(f"`identify fit` from the same run, {title}: lateral stiffnesses and their known combinations within {f.worst(lambda n: is_elastomer(n) and '.z.' not in n)}, "
                   f"axial ones within {f.worst(lambda n: is_elastomer(n) and '.z.' in n)}; {f.intervals()} intervals hold the truth. The run turns the device too little about z to tell "
-                  "each lateral plot from the others; known are: " + "; ".join(f.combined) + ".")
+                  "each lateral plot from the others. Known combinations: " + "; ".join(f.combined) + ".")
     z = extended("oblique_200")
     page.text("The signature: in the equation with the centre's acceleration the axial forces enter as "
               + ", ".join(f"{i}-z {z.terms[f'{i}.z.stiffness']['value'] / 1e5:+.2f}" for i in "1234")
-              + ". The balance of moments says why. With the centre of gravity a height h above the cross, m a_centre + (1 + m h²/I) Σ k_y y_i + (m h/I) Σ Y_i k_z z_i = 0, "
-              "Y_i the ends' y: 3-z and 4-z enter with opposite signs (∓0.94 here), 1-z and 2-z do not, and the lateral stiffnesses come out too large by 1 + m h²/I (2.33 here).")
-    page.text("What is the paper's and what is our inference: the paper reports that the y forces alone fail (1-y and 2-y large and of opposite sign, 3-y and 4-y alike and about half) and that 3-z and 4-z "
-              "count more than the y forces; both appear here. That the cause is the height of the centre of gravity is our inference. Admitting the axial forces repairs the pattern at once and the scale "
-              "only as far as m h²/I is small: the paper's 0.28 for a true 0.26 would be m h²/I = 0.08, and a device with h = 34 mm, where it is that, gives its figures. "
+              + ". The balance of moments says why. With the centre of gravity a height h above the cross, m a_centre + (1 + m h²/I) Σ k_y y_i + (m h/I) Σ Y_i k_z z_i = 0, Y_i the ends' y. So 3-z "
+              "and 4-z enter with opposite signs (∓0.94 here), 1-z and 2-z do not. The lateral stiffnesses come out too large by 1 + m h²/I (2.33 here).")
+    page.text("What is the paper's and what is our inference: the paper reports that the y forces alone fail (1-y and 2-y large and of opposite sign, 3-y and 4-y alike and about half). It also "
+              "reports that 3-z and 4-z count more than the y forces; both appear here. That the cause is the height of the centre of gravity is our inference. Admitting the axial forces repairs "
+              "the pattern at once and the scale only as far as m h²/I is small. The paper's 0.28 for a true 0.26 would be m h²/I = 0.08, and a device with h = 34 mm, where it is that, gives its figures. "
               "The acceleration of the centre of gravity repairs all of it, whatever h.")
 
 
@@ -157,14 +157,15 @@ def lateral_pictures(page, r, svg):
     s = r.single("lateral_300", "--axis", "z", "--hold-elastomers")
     q, f = s.curve("1.z.stiffness")
     page.picture("figure_15", svg.plot("Figure 15: 1-z, 300 N along x", "relative displacement [mm]", "restoring force [N]", [("nonparametric", q, f, "points")]))
-    page.text("Figure 15: under a lateral load an axial stop (1-z, 2-z) and a lateral one (1-x, 2-x) are reached in the same swing; the axial force of connection 1 shows both kinks of its own "
+    page.text("Figure 15: under a lateral load an axial stop (1-z, 2-z) and a lateral one (1-x, 2-x) are reached in the same swing. The axial force of connection 1 shows both kinks of its own "
               f"stops (paper's method, stops of 1-z and 2-z: {s.cell('1.z.stops.stiffness', '2.z.stops.stiffness')}).")
 
 
 def other_channels(page, r):
     page.heading("Accelerations alone, displacements alone, noise")
     page.text("Largest errors of what `identify fit` calls known, and the intervals that hold the truth, each run by itself. Noise in percent: of the RMS of the channel that moves most. "
-              "The starting model is wrong by up to 25 %. Accelerations alone: sampled at 4 kHz, sweep at 16 octaves per minute; the slow motion comes from the balance of the mount's force. All else: 1 kHz, 4 octaves per minute.")
+              "The starting model is wrong by up to 25 %. Accelerations alone: sampled at 4 kHz, sweep at 16 octaves per minute; the slow motion comes from the balance of the mount's force. All "
+              "else: 1 kHz, 4 octaves per minute.")
     rows = []
     for run in work.TABLES:
         for noise, use in work.FITS + [(noise, "accelerations") for noise in LEVELS]:

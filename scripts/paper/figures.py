@@ -24,9 +24,9 @@ def beam(page, svg):
             series.append(("exact", [1e3 * v for v in grid], [BEAM_CUBIC * v ** 3 for v in grid]))
         page.picture(f"figure_02_{kind}", svg.plot(f"Tip spring, {kind} equation", "tip deflection [mm]", "force [N]", series))
     page.table(["", "cubic stiffness, N/m³", "error", "unexplained"], rows)
-    page.text("Main beam of Kerschen, Lenaerts and Golinval (2003): 0.7 m × 14 mm × 14 mm, steel (205 GPa, 7800 kg/m³), ten elements, clamped; cubic spring 8e9 N/m³ at the tip, damping proportional "
+    page.text("Main beam of Kerschen, Lenaerts and Golinval (2003): 0.7 m × 14 mm × 14 mm, steel (205 GPa, 7800 kg/m³), ten elements, clamped. Cubic spring 8e9 N/m³ at the tip, damping proportional "
               "to stiffness (6e-5 s), sweep 10 to 60 Hz of 10 N at node 3. Truth: 8e9. The complete equation takes mass and stiffness rows from the model and both deflections and rotations of the last "
-              "two nodes from the recording; the truncated one has the tip's deflection alone, with its own linear stiffness and damping free: it shows a hardening spring, and its numbers mean nothing.")
+              "two nodes from the recording. The truncated one has the tip's deflection alone, with its own linear stiffness and damping free: it shows a hardening spring, and its numbers mean nothing.")
 
 
 PAPER_LIMITS = {"length 1-2": ("0.03", "0.2"), "length 3-4": ("1", "0.4"), "perpendicularity": ("1e-6", "1.5e-7"),
@@ -57,8 +57,9 @@ def rigidity(page, svg):
                                                             [(run.replace("_", " ") + " N", c["history"]["frequency"], c["history"]["percent"])], symmetric=True))
     ends = recordings.read_columns(csv("axial_300"), ["mobile.3.z", "mobile.4.z"])
     rotation = max(abs(a - b) / 0.2 for a, b in zip(ends["mobile.3.z"], ends["mobile.4.z"]))
-    page.text("The rigid simulation leaves the digits of the file. The flexible cross: the static response of a bending mode at 3109 Hz (table 2; arms 1, 2 up and 3, 4 down, modal mass 0.2 kg for unit deflection of the "
-              "ends, which is an assumption) to the forces at its ends, added to the recording. It shows in `midpoint z`, where the stop 4-z is hit, with the size of the paper's sixth check (0.02 %). "
+    page.text("The rigid simulation leaves the digits of the file. The flexible cross: the static response of a bending mode at 3109 Hz to the forces at its ends is added to the recording. The mode "
+              "is that of table 2, arms 1, 2 up and 3, 4 down; its modal mass of 0.2 kg for unit deflection of the ends is an assumption. It shows in `midpoint z`, where the stop 4-z is hit, with "
+              "the size of the paper's sixth check (0.02 %). "
               "The paper's length errors, up to 1 %, are far above what bending can do to a length (second order); small-rotation finite "
               f"elements leave the squared rotation, {100 * rotation ** 2:.2g} % in our run: our inference is that the paper's come from there.")
     gain = check("axial_300_gain")

@@ -49,3 +49,17 @@ def read_paths(markdown, folders):
     """Words in code style that are paths of one of `folders`."""
     return [word for word in CODE.findall(markdown)
             if word.split("/")[0] in folders and "/" in word and not re.search(r"[*…<>{}$]", word)]
+
+
+def read_sentences(markdown):
+    """Sentences of paragraphs and lists, without headings, tables, blocks and remarks; links without their targets."""
+    text = re.sub(r"<!--.*?-->", "", markdown, flags=re.DOTALL)
+    text = re.sub(r"^```.*?^```$", "", text, flags=re.DOTALL | re.MULTILINE)
+    text = re.sub(r"\]\([^)]*\)", "]", text)
+    paragraphs = [""]
+    for line in map(str.strip, text.split("\n")):
+        if not line or line[0] in "|#" or re.match(r"([-*]|\d+\.)\s", line):
+            paragraphs.append("")
+        if line and line[0] not in "|#":
+            paragraphs[-1] += " " + line
+    return [sentence for paragraph in paragraphs for sentence in re.split(r"(?<=[.!?])\s+(?=[A-Z`*\[(])", paragraph)]

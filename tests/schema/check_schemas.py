@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""check_schemas.py IDENTIFY SIMULATE BEAM MODELS: the JSON of each command against the schema that `identify schema` prints.
+"""check_schemas.py IDENTIFY SIMULATE BEAM MODELS: the JSON of each command of both programs against the schema that
+`identify schema` prints.
 
 The check is stricter than the schema: a key that the schema does not name is a failure, so that what is added to a
 result is added to its schema too. The record of each result is compared with what hashlib says of the files.
@@ -73,15 +74,23 @@ def validate(command, result):
 
 
 def run(command, *arguments, status=0):
+    return check_result(command, "identify", [IDENTIFY, command, *arguments], status)
+
+
+def run_simulate(command, *arguments):
+    return check_result(command, "simulate", [SIMULATE, *arguments], 0)
+
+
+def check_result(command, program, words, status):
     output = pathlib.Path(f"{command}.json")
     output.unlink(missing_ok=True)
-    call(IDENTIFY, command, *arguments, "-q", "--json", output, status=status)
+    call(*words, "-q", "--json", output, status=status)
     if not output.exists():
         sys.exit("\n".join(failures))
     result = json.loads(output.read_text(encoding="utf-8"))
     validate(command, result)
     check(result["command"] == command, f"{command}: says that it is {result['command']}")
-    check(result["program"].startswith("wems identify "), f"{command}: program {result['program']}")
+    check(result["program"].startswith(f"wems {program} "), f"{command}: program {result['program']}")
     check(len(result["inputs"]) > 0, f"{command}: no inputs")
     for entry in result["inputs"]:
         digest = hashlib.sha256(pathlib.Path(entry["file"]).read_bytes()).hexdigest()
@@ -131,6 +140,17 @@ def main():
         call(SIMULATE, MODEL, "--sweep", "8:40", "--rate", "60", "--force", axis, *noise, "-q", "-o", name)
     rename("run.csv", "laboratory.csv")
 
+    simulated = run_simulate("simulate", MODEL, "--sweep", "8:40", "--rate", "120", "--force", "z=400", "-o", "hard.csv")
+    check(any(stop["contacts"] for stop in simulated["stops"]), "a hard run touches no stop")
+    check(simulated["options"]["force"] == [0, 0, 400], "options of simulate")
+    check([entry["role"] for entry in simulated["inputs"]] == ["model", "bracket modes"], "inputs of simulate")
+    replayed = run_simulate("simulate", MODEL, "--from-csv", "run.csv")
+    check("recording" in [entry["role"] for entry in replayed["inputs"]], "no recording among the inputs of a replay")
+    pathlib.Path("test.csv").write_text("frequency [Hz],density [g^2/Hz]\n5,0.001\n60,0.001\n", encoding="utf-8")
+    run_simulate("modes", MODEL, "--modes", "--psd", "test.csv", "--base-acceleration", "z")
+    run_simulate("modes", MODEL, "--frf", "5:50", "--force", "z=1")
+    curve = run_simulate("response", MODEL, "--response", "25:40", "--force", "z=150", "--harmonics", "5")
+    check(curve["levels"][0]["points"], "no point of a response curve")
     run("inspect", "run.csv", "--model", MODEL)
     run("rigidity", "run.csv", "--model", MODEL)
     run("spectra", "run.csv", "--model", MODEL)
@@ -144,6 +164,8 @@ def main():
     write_element("element.csv")
     pathlib.Path("element.toml").write_text(ELEMENT, encoding="utf-8")
     run("surface", "element.csv")
+    run("equations", "run.csv", "--model", "believed.toml", "-o", "run.equations")
+    run("join", "run.equations", "--model", "believed.toml")
     run("fit", "element.csv", "--model", "element.toml")
     run("plan", "run.csv", "--model", "believed.toml", "--proposals", "1", "--sweep", "8:40", "--rate", "60")
     call(BEAM, "--rate", "120", "-o", "beam.csv")

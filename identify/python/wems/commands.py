@@ -5,6 +5,7 @@ line. progress(what, done): called as the steps begin; done is the share of the 
 Ctrl-C ends a command at its next step.
 """
 import json
+import numbers
 import os
 
 from . import _wems
@@ -104,7 +105,13 @@ def schema(command):
 
 
 def _word(value):
-    return repr(float(value)) if isinstance(value, (int, float)) else str(value)
+    if isinstance(value, numbers.Integral):
+        return str(int(value))
+    return repr(float(value)) if isinstance(value, numbers.Real) else str(value)
+
+
+# Options whose values stand with a colon between on the command line.
+_RANGES = ("sweep", "dwell", "half_sine", "sawtooth", "trapezoid", "random", "frf", "response")
 
 
 def _options(keywords):
@@ -117,7 +124,7 @@ def _options(keywords):
         if isinstance(value, dict):
             words.append(",".join(f"{axis}={_word(size)}" for axis, size in value.items()))
         elif isinstance(value, (list, tuple)):
-            words.append((":" if name in ("sweep", "dwell", "frf", "response") else ",").join(map(_word, value)))
+            words.append((":" if name in _RANGES else ",").join(map(_word, value)))
         elif value is not True:
             words.append(_path(value) if isinstance(value, os.PathLike) else _word(value))
     return words
@@ -131,14 +138,23 @@ def _simbody():
     return module
 
 
-def simulate(model, *, drive=None, method="simbody", columns=None, progress=None, **options):
+def simulate(model, *, drive=None, method="simbody", columns=None, progress=None,
+             sweep=None, profile=None, dwell=None, half_sine=None, sawtooth=None, trapezoid=None, srs=None,
+             random=None, psd=None, force=None, base_acceleration=None, base_displacement=None, rate=None,
+             linear_rate=None, downwards=False, q=None, fade=None, duration=None, sample_rate=None, channels=None,
+             noise=None, seed=None, accuracy=None):
     """A Recording of the model under a load or a base motion.
 
     drive: a recording whose load, base acceleration or (fast method) motion of the fixed part acts again; without it,
-    the excitation as for the program: sweep=(5, 50), rate=4, force={"z": 200}, base_acceleration={"z": "1.5g"},
-    dwell, psd, noise={"displacement": 1e-6}, duration, channels, accuracy.
+    an excitation with the options of the program: sweep=(5, 50), rate=4, force={"z": 200},
+    base_acceleration={"z": "1.5g"}, dwell=(8, 10), psd="test.csv", noise={"displacement": 1e-6}.
     method: "simbody", or "fast" for the fixed-step forward model that identify uses.
     """
+    options = {"sweep": sweep, "profile": profile, "dwell": dwell, "half_sine": half_sine, "sawtooth": sawtooth,
+               "trapezoid": trapezoid, "srs": srs, "random": random, "psd": psd, "force": force,
+               "base_acceleration": base_acceleration, "base_displacement": base_displacement, "rate": rate,
+               "linear_rate": linear_rate, "downwards": downwards, "q": q, "fade": fade, "duration": duration,
+               "sample_rate": sample_rate, "channels": channels, "noise": noise, "seed": seed, "accuracy": accuracy}
     if method not in ("simbody", "fast"):
         raise InputError(f"method is {method!r} (accepted: simbody, fast)", key="method")
     model = model if isinstance(model, Model) else Model(model)
@@ -147,20 +163,28 @@ def simulate(model, *, drive=None, method="simbody", columns=None, progress=None
             drive = drive if isinstance(drive, Recording) else Recording(drive, columns)
         core = _simbody().simulate(model._core, None if drive is None else drive._core, _options(options), progress)
         return Recording._wrap(core)
+    given = [name for name, value in options.items() if value is not None and value is not False]
     if drive is None:
         drive = Recording._wrap(_simbody().excite(_options(options)))
-    elif options:
-        raise InputError(f"{', '.join(options)}: a drive is given already", key=next(iter(options)))
+    elif given:
+        raise InputError(f"{', '.join(given)}: a drive is given already", key=given[0])
     return Recording._wrap(_wems.simulate_fast(_recording(drive), _model(model), _path(columns), progress))
 
 
-def response(model, band, *, progress=None, **options):
+def response(model, band, *, force=None, base_acceleration=None, harmonics=None, progress=None):
     """Periodic responses over a band (Hz) by continuation, every branch: force={"z": 200}, or force="z=100,200"."""
     model = model if isinstance(model, Model) else Model(model)
-    return Result(_simbody().response(model._core, _options({"response": band, **options}), progress), "response")
+    words = _options({"response": band, "force": force, "base_acceleration": base_acceleration,
+                      "harmonics": harmonics})
+    return Result(_simbody().response(model._core, words, progress), "response")
 
 
-def modes(model, *, frf=None, progress=None, **options):
-    """Natural frequencies, damping, effective masses, rest position; frf=(5, 50) adds transfer functions."""
+def modes(model, *, frf=None, psd=None, force=None, base_acceleration=None, progress=None):
+    """Natural frequencies, damping, effective masses, rest position.
+
+    frf=(5, 50) adds transfer functions, psd="test.csv" the response to a random test, both along the axis of force
+    or base_acceleration: base_acceleration="z".
+    """
     model = model if isinstance(model, Model) else Model(model)
-    return Result(_simbody().modes(model._core, _options({"modes": True, "frf": frf, **options}), progress), "modes")
+    words = _options({"modes": True, "frf": frf, "psd": psd, "force": force, "base_acceleration": base_acceleration})
+    return Result(_simbody().modes(model._core, words, progress), "modes")

@@ -57,7 +57,8 @@ def _rigidity(result, ax):
 def _spectra(result, ax):
     for run in result["runs"]:
         transfers = run["transmissibility"] or run["transfer"]
-        for transfer in transfers:
+        driven = [transfer for transfer in transfers if transfer["input"] == run["reference"]]
+        for transfer in driven or transfers:
             real, imaginary = (numpy.array(transfer["h1"][part], dtype=float) for part in ("real", "imaginary"))
             ax.plot(run["frequency"], numpy.hypot(real, imaginary), linewidth=0.8,
                     label=f"{transfer['output']}/{transfer['input']}")
