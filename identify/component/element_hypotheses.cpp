@@ -32,8 +32,7 @@ public:
         for (const Stop& stop : believed_.stops) addStop(stop);
         addBothSides();
         const std::string channel = "force." + reach_.place;
-        Hypothesis& delay = add("sensor_delay", {channel});
-        setFree(delay, row(channel + ".delay"));
+        if (const int delay = row(channel + ".delay"); delay >= 0) setFree(add("sensor_delay", {channel}), delay);
         shareOdds();
         return std::move(list_);
     }

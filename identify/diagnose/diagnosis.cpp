@@ -150,18 +150,33 @@ std::optional<Diagnosis> diagnoseFreeResponse(const std::vector<Recording>& iden
     }
 }
 
+/// A verdict never contradicts its figures: where the simulation errs by as much as one in which nothing moves, the
+/// model answers for nothing, whatever noise and posterior would excuse.
+Diagnosis checkVerdict(Diagnosis result, const MountModel& model) {
+    constexpr double still = 1;
+    const double error = std::max(result.error_after.identification, result.error_after.validation);
+    if (error < still || result.verdict == Diagnosis::Verdict::unexplained) return result;
+    result.verdict = Diagnosis::Verdict::unexplained;
+    for (const Connection& connection : model.connections)
+        for (std::size_t a = 0; a < 3; ++a)
+            if (connection.axis[a].stiffness > 0) result.unexplained_where.push_back(connection.name + "." + "xyz"[a]);
+    return result;
+}
+
 }  // namespace
 
 Diagnosis diagnose(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
                    const MountModel& model, const DiagnosisOptions& options) {
     if (identification.empty()) throw InputError({}, "no recording to diagnose", "at least one CSV file");
     std::optional<Diagnosis> rig = diagnoseFreeResponse(identification, validation, model, options);
+    if (rig) rig = checkVerdict(std::move(*rig), model);
     if (rig && rig->verdict != Diagnosis::Verdict::unexplained) return std::move(*rig);
     // The simplest world first: exact numbers and a cause or two. Where that leaves something, nothing is exact.
-    Diagnosis exact = diagnoseExact(identification, validation, model, options);
+    Diagnosis exact = checkVerdict(diagnoseExact(identification, validation, model, options), model);
     if (rig && rig->error_after.validation < exact.error_after.validation) exact = std::move(*rig);
     if (exact.verdict != Diagnosis::Verdict::unexplained) return exact;
     auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
+    if (adjusted) adjusted = checkVerdict(std::move(*adjusted), model);
     // Of two answers that leave something, the one that predicts better.
     if (!adjusted || (adjusted->verdict == Diagnosis::Verdict::unexplained &&
                       exact.error_after.validation <= adjusted->error_after.validation))

@@ -11,9 +11,9 @@
 namespace wems::identify {
 namespace {
 
-constexpr int kMostSteps = 15;          // of Levenberg and Marquardt
-constexpr double kSettled = 0.05;       // log evidence that a further step would still change
-constexpr double kLeastSquare = 1e-20;  // of the signal's: a law without noise
+constexpr int kMostMarquardtSteps = 15;  // of Levenberg and Marquardt
+constexpr double kSettled = 0.05;        // log evidence that a further step would still change
+constexpr double kLeastSquare = 1e-20;   // of the signal's: a law without noise
 
 }  // namespace
 
@@ -108,7 +108,7 @@ ResidualFit ResidualProblem::fit(const HypothesisSet& set, double samples, const
     };
     double damping = 1e-3;
     bool fresh = false;
-    for (int step = 0; step < kMostSteps && V.cols() > 0; ++step) {
+    for (int step = 0; step < kMostMarquardtSteps && V.cols() > 0; ++step) {
         differentiate();
         fresh = true;
         const double weight = samples / squareOf(residual), here = objective(residual, z);

@@ -90,8 +90,13 @@ long countLines(std::string_view text, std::size_t end) {
 }  // namespace
 
 bool isJson(std::string_view text) {
-    const std::size_t first = text.find_first_not_of(" \t\r\n");
-    return first != std::string_view::npos && (text[first] == '{' || text[first] == '[');
+    std::size_t at = text.find_first_not_of(" \t\r\n");
+    if (at == std::string_view::npos) return false;
+    if (text[at] == '{') return true;
+    if (text[at] != '[') return false;
+    // Behind its brackets a TOML table has a name.
+    at = text.find_first_not_of("[ \t\r\n", at);
+    return at == std::string_view::npos || std::string_view("0123456789-]").find(text[at]) != std::string_view::npos;
 }
 
 RecordingTable readJson(std::string_view text, const std::string& file) {

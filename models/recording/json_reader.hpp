@@ -14,7 +14,7 @@
 
 namespace wems {
 
-/// True if a text begins as JSON does: with a brace or a bracket.
+/// True if a text begins as a JSON table does: with a brace, or with brackets before a number.
 bool isJson(std::string_view text);
 
 /// @throws InputError: not JSON, with its line; rows of different lengths; no numbers
