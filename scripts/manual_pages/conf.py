@@ -54,7 +54,7 @@ CONTENTS = {
         "identify/paper/README",
         "tests/recording/data/README",
     ],
-    "Project": ["CONTRIBUTING", "DEPENDENCIES"],
+    "Project": ["CONTRIBUTING", "tests/README", "DEPENDENCIES"],
 }
 
 

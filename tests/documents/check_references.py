@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Links and paths of all Markdown files of the source tree lead somewhere.
+"""Links and paths of all Markdown files of the source tree lead somewhere; the cases that tests/README.md names are there.
 
     check_references.py SOURCE
 
 Links count from the file's folder, paths in code style from the top (a header or source from its folder too).
 """
+import re
 import sys
 from pathlib import Path
 
@@ -13,9 +14,17 @@ from markdown import list_documents, read_links, read_paths
 FOLDERS = ("models", "plugin", "identify", "tests", "scripts")
 
 
+def find_missing_cases(source):
+    """Beginnings of names in tests/README.md that no case of any test program has."""
+    cases = [name for file in (source / "tests").rglob("test_*.cpp")
+             for name in re.findall(r'TEST_CASE\("([^"]+)"', file.read_text(encoding="utf-8"))]
+    named = re.findall(r'"([^"]+)"', (source / "tests/README.md").read_text(encoding="utf-8"))
+    return [f"tests/README.md: case {name}" for name in named if not any(case.startswith(name) for case in cases)]
+
+
 def main():
     source = Path(sys.argv[1]).resolve()
-    broken = []
+    broken = find_missing_cases(source)
     for file in list_documents(source):
         text = file.read_text(encoding="utf-8")
         broken += [f"{file}: link to {link}" for link in read_links(text) if not (file.parent / link).exists()]
