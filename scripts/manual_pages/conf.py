@@ -55,7 +55,7 @@ CONTENTS = {
         "identify/paper/README",
         "tests/recording/data/README",
     ],
-    "Project": ["CONTRIBUTING", "DEPENDENCIES"],
+    "Project": ["CONTRIBUTING", "tests/README", "DEPENDENCIES"],
 }
 
 

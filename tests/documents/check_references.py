@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Links and paths of all Markdown files of the source tree lead somewhere, and no sentence is too long to read.
+"""Links and paths of all Markdown files of the source tree lead somewhere, no sentence is too long to read, and the cases
+that tests/README.md names are there.
 
     check_references.py SOURCE
 
@@ -16,9 +17,17 @@ MOST_WORDS = 45
 FOLDERS = ("models", "plugin", "identify", "tests", "scripts")
 
 
+def find_missing_cases(source):
+    """Beginnings of names in tests/README.md that no case of any test program has."""
+    cases = [name for file in (source / "tests").rglob("test_*.cpp")
+             for name in re.findall(r'TEST_CASE\("([^"]+)"', file.read_text(encoding="utf-8"))]
+    named = re.findall(r'"([^"]+)"', (source / "tests/README.md").read_text(encoding="utf-8"))
+    return [f"tests/README.md: case {name}" for name in named if not any(case.startswith(name) for case in cases)]
+
+
 def main():
     source = Path(sys.argv[1]).resolve()
-    broken = []
+    broken = find_missing_cases(source)
     for file in list_documents(source):
         text = file.read_text(encoding="utf-8")
         broken += [f"{file}: link to {link}" for link in read_links(text) if not (file.parent / link).exists()]
