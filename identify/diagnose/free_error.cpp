@@ -76,8 +76,12 @@ double calcNoiseVariance(const FreeRun& free, const MountModel& model) {
     return square(run.mobile, 0) + square(run.fixed, 1) + folded;
 }
 
+Eigen::MatrixXd passCompared(const RunMotion& run, const Eigen::MatrixXd& rows) {
+    return highPass(rows, lowestCompared(run), run.interval);
+}
+
 Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model) {
-    return highPass(simulate(*run.motion, model) - run.measured, lowestCompared(*run.motion), run.motion->interval);
+    return passCompared(*run.motion, simulate(*run.motion, model) - run.measured);
 }
 
 Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion& run, const MountModel& model) {

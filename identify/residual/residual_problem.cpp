@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kMostMarquardtSteps = 15;  // of Levenberg and Marquardt
 constexpr double kSettled = 0.05;        // log evidence that a further step would still change
-constexpr double kLeastSquare = 1e-20;   // of the signal's: a law without noise
+constexpr double kLooks[] = {-1, -0.5, -0.2, -0.05, 0.05, 0.2, 0.5, 1};  // of a direction's reach
+constexpr double kLeastSquare = 1e-20;                                   // of the signal's: a law without noise
 
 }  // namespace
 
@@ -41,6 +42,7 @@ ResidualFit ResidualProblem::fit(const HypothesisSet& set, double samples, const
         if (deviation > 0 && !is_held[static_cast<std::size_t>(i)])
             columns.emplace_back(deviation * Eigen::VectorXd::Unit(rows, i));
     }
+    const auto tolerances = static_cast<Eigen::Index>(columns.size());
     Eigen::VectorXd values = start;
     for (const int h : set) {
         const Hypothesis& hypothesis = hypotheses_[static_cast<std::size_t>(h)];
@@ -106,6 +108,26 @@ ResidualFit ResidualProblem::fit(const HypothesisSet& set, double samples, const
             J += slope * V.row(i);
         }
     };
+    // A response that has lost the measured one's phase has no slope that leads back: a direction that has not moved
+    // yet is looked along first.
+    for (Eigen::Index j = tolerances; j < V.cols(); ++j) {
+        if (z[j] != 0) continue;
+        Eigen::VectorXd best = z;
+        double least = objective(residual, z);
+        for (const double part : kLooks) {
+            Eigen::VectorXd trial = z;
+            trial[j] = part;
+            const Eigen::VectorXd at = clamp(base + V * trial);
+            Eigen::VectorXd left = calcResidual(at);
+            const double cost = objective(left, trial);
+            if (!(cost < least)) continue;
+            least = cost;
+            best = trial;
+            values = at;
+            residual = std::move(left);
+        }
+        z = best;
+    }
     double damping = 1e-3;
     bool fresh = false;
     for (int step = 0; step < kMostMarquardtSteps && V.cols() > 0; ++step) {
@@ -121,6 +143,7 @@ ResidualFit ResidualProblem::fit(const HypothesisSet& set, double samples, const
             Eigen::MatrixXd damped = H;
             damped.diagonal() *= 1 + damping;
             const Eigen::VectorXd next = z + damped.ldlt().solve(g);
+            if (!next.allFinite()) continue;
             const Eigen::VectorXd at = clamp(base + V * next);
             Eigen::VectorXd left = calcResidual(at);
             gained = here - objective(left, next);
@@ -154,9 +177,18 @@ ResidualFit ResidualProblem::fit(const HypothesisSet& set, double samples, const
 double ResidualProblem::predictGain(const ResidualFit& fit, int index) const {
     const Hypothesis& hypothesis = hypotheses_[static_cast<std::size_t>(index)];
     std::vector<Eigen::VectorXd> columns;
+    double least = fit.sum_of_squares;  // where the laws themselves are looked along
     for (const Direction& direction : hypothesis.directions) {
         Eigen::VectorXd moved = fit.values;
         for (const auto& [row, value] : hypothesis.start) moved[row] = value;
+        for (const double part : kLooks) {
+            Eigen::VectorXd looked = moved;
+            for (const auto& [row, weight] : direction) {
+                const Unknown& number = table_[static_cast<std::size_t>(row)];
+                looked[row] = std::clamp(looked[row] + part * weight, number.least, number.most);
+            }
+            least = std::min(least, calcResidual(looked).squaredNorm());
+        }
         for (const auto& [row, weight] : direction) {
             const Unknown& number = table_[static_cast<std::size_t>(row)];
             const bool started = std::any_of(hypothesis.start.begin(), hypothesis.start.end(),
@@ -180,7 +212,7 @@ double ResidualProblem::predictGain(const ResidualFit& fit, int index) const {
     const Eigen::VectorXd right = C.transpose() * fit.residual;
     own.diagonal().array() += 1e-9;  // columns that are alike share what they take
     const double taken = std::min(right.dot(own.ldlt().solve(right)), (1 - 1e-12) * fit.sum_of_squares);
-    const double left = fit.sum_of_squares - taken;
+    const double left = std::max(kLeastSquare * calcSignalSquare(), std::min(least, fit.sum_of_squares - taken));
     const double occam = 0.5 * static_cast<double>(columns.size()) * std::log(std::max(1.0, fit.samples));
     // What the tolerances cost that the hypothesis would lift.
     double lifted = 0;

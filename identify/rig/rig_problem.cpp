@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "identify/component/element_hypotheses.hpp"
-#include "identify/forward/simulation_diverged.hpp"
+#include "identify/forward/initial_state.hpp"
 #include "identify/motion/parallel.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "identify/motion/uniform_time.hpp"
@@ -17,7 +17,11 @@
 namespace wems::identify {
 namespace {
 
-constexpr double kUnbounded = 10;  // times the measured motion
+// Times the largest displacement: a response that grows beyond is as wrong as it can be.
+constexpr double kUnbounded = 100;
+// Of the largest displacement, within which dry friction sticks: a bristle, that costs a simulation no steps as a jump
+// at rest does. It moves the response by about as much as it is long.
+constexpr double kBristle = 0.01;
 
 MountModel addDormantStops(MountModel model, std::size_t axis, double displacement) {
     for (Connection& connection : model.connections)
@@ -98,14 +102,22 @@ RigProblem::RigProblem(const std::vector<Recording>& identification, const std::
                 sensors.push_back(channel.name);
     sensor_ = sensors.size() == 1 ? sensors.front() : "mobile";
     addSensorRows(model);
-    // What a run's measured side is, once, by a simulation's difference.
-    measured_.resize(runs_.size());
-    runParallel(runs_.size(), [&](std::size_t r) {
-        FreeRun nothing = runs_[r];
-        nothing.measured.setZero();
-        measured_[r] =
-            withoutMean((calcFreeResidual(nothing, model) - calcFreeResidual(runs_[r], model)).row(axis_).transpose());
-    });
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+        const RunMotion& motion = motions_[r];
+        const auto a = static_cast<Eigen::Index>(axis_);
+        measured_.emplace_back(passCompared(motion, runs_[r].measured.row(a)).row(0).transpose());
+        RigRun drive;
+        drive.interval = motion.interval;
+        drive.count = measured_.back().size();
+        if (motion.load.cols() > 0) drive.load = motion.load.row(a).transpose();
+        if (motion.fixed_source != FixedSource::still) drive.acceleration = motion.fixed.a.row(a).transpose();
+        const Drive whole = Drive::make(motion, model, makeGrid(motion, model));
+        if (const auto start = findStartMotion(motion, model, whole)) {
+            drive.start = runs_[r].measured(a, 0);
+            drive.start_velocity = motion.mobile.v(a, 0) - motion.fixed.v(a, 0);
+        }
+        drives_.push_back(std::move(drive));
+    }
     addHypotheses(model, loaded.at(static_cast<std::size_t>(axis_)));
 }
 
@@ -173,20 +185,23 @@ MountModel RigProblem::modelAt(const Eigen::VectorXd& values) const {
             law.stops.end());
         if (law.relaxation && law.relaxation->stiffness_ratio == 0) law.relaxation.reset();
         if (law.friction && law.friction->force == 0) law.friction.reset();
+        if (law.friction && !law.friction->presliding_stiffness)
+            law.friction->presliding_stiffness = law.friction->force / (kBristle * scales_.displacement);
         if (law.hysteresis && law.hysteresis->force == 0) law.hysteresis.reset();
     }
     return state.model;
 }
 
+Eigen::VectorXd RigProblem::respond(std::size_t run, const MountModel& model) const {
+    RigRun drive = drives_[run];
+    if (model.load && !model.load->gain_over_frequency.empty()) drive.load *= model.load->gain_over_frequency[0].second;
+    const double most = kUnbounded * scales_.displacement;
+    const Eigen::VectorXd q = simulateRig(model, axis_, drive).cwiseMax(-most).cwiseMin(most);
+    return passCompared(motions_[run], q.transpose()).row(0).transpose();
+}
+
 Eigen::VectorXd RigProblem::calcRunResidual(std::size_t run, const MountModel& model, double gain, double delay) const {
-    FreeRun alone = runs_[run];
-    alone.measured.setZero();
-    Eigen::VectorXd simulated;
-    try {
-        simulated = withoutMean(calcFreeResidual(alone, model).row(axis_).transpose());
-    } catch (const SimulationDiverged&) {
-        return kUnbounded * measured_[run];
-    }
+    Eigen::VectorXd simulated = respond(run, model);
     if (delay != 0) {
         const double shift = delay / motions_[run].interval;
         const Eigen::VectorXd exact = simulated;
@@ -198,7 +213,7 @@ Eigen::VectorXd RigProblem::calcRunResidual(std::size_t run, const MountModel& m
             simulated[k] = (1 - part) * exact[below] + part * exact[below + 1];
         }
     }
-    return gain * simulated - measured_[run];
+    return withoutMean(gain * simulated - measured_[run]);
 }
 
 std::size_t RigProblem::firstJudge() const {
@@ -233,10 +248,12 @@ double RigProblem::calcSignalSquare() const {
 GroupError RigProblem::calcErrors(const Eigen::VectorXd& values) const {
     const MountModel model = modelAt(values);
     const auto errorOf = [&](std::size_t begin, std::size_t end) {
-        return calcFreeError({runs_.begin() + static_cast<std::ptrdiff_t>(begin),
-                              runs_.begin() + static_cast<std::ptrdiff_t>(end)},
-                             model)
-            .error;
+        double difference = 0, signal = 0;
+        for (std::size_t r = begin; r < end; ++r) {
+            difference += (respond(r, model) - measured_[r]).squaredNorm();
+            signal += measured_[r].squaredNorm();
+        }
+        return signal > 0 ? std::sqrt(difference / signal) : 0.0;
     };
     const double own = errorOf(0, identification_count_);
     return {own, firstJudge() == 0 ? own : errorOf(firstJudge(), runs_.size())};

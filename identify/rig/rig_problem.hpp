@@ -14,6 +14,7 @@
 
 #include "identify/diagnose/free_error.hpp"
 #include "identify/residual/residual_problem.hpp"
+#include "identify/rig/rig_response.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {
@@ -45,8 +46,9 @@ protected:
     double calcSignalSquare() const override;
 
 private:
-    /// Residual of one run along the axis, as a sensor with the gain and delay of the rows has it; a simulation without
-    /// bounds is ten times as large as what is measured.
+    /// The simulated response of a run along the axis, as the error compares it.
+    Eigen::VectorXd respond(std::size_t run, const MountModel& model) const;
+    /// Simulated minus measured without their means, as a sensor with the gain and delay of the rows has it.
     Eigen::VectorXd calcRunResidual(std::size_t run, const MountModel& model, double gain, double delay) const;
     std::size_t firstJudge() const;
     void addSensorRows(const MountModel& model);
@@ -57,7 +59,8 @@ private:
     MountModel believed_;
     std::vector<RunMotion> motions_;
     std::vector<FreeRun> runs_;
-    std::vector<Eigen::VectorXd> measured_;  ///< m, along the axis, above what was measured
+    std::vector<RigRun> drives_;
+    std::vector<Eigen::VectorXd> measured_;  ///< m, along the axis, as the error compares it
     TestScales scales_;
     double positive_reach_ = 0, negative_reach_ = 0;
     std::string sensor_;  ///< `mobile.1.z`, or `mobile` where there are several

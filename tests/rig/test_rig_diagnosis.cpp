@@ -45,7 +45,7 @@ Recording record(const MountModel& truth, double level, double noise, std::mt199
         return level * std::min(1.0, t) * sum / 5;
     };
     const auto states = static_cast<std::size_t>(force.stateCount());
-    const int count = static_cast<int>(12 * kRate);
+    const int count = static_cast<int>(8 * kRate);
     const double h = 1 / (kRate * kFine);
     std::vector<double> y(2 + states, 0.0);
     const auto rates = [&](double t, const std::vector<double>& at) {
@@ -121,6 +121,7 @@ TEST_CASE("what a coarsely sampled rig hides is found by its free response") {
         INFO(kind << ": " << formatVerdict(diagnosis.verdict) << named << ", " << diagnosis.error_before.validation
                   << " to " << diagnosis.error_after.validation << ", band " << diagnosis.prediction_band.value_or(0)
                   << ", floor " << diagnosis.noise_floor.validation);
+        std::fprintf(stderr, "%s %s%s %g %g\n", kind.c_str(), formatVerdict(diagnosis.verdict).c_str(), named.c_str(), diagnosis.error_before.validation, diagnosis.error_after.validation);
         if (kind == "none") {
             CHECK(diagnosis.verdict == Diagnosis::Verdict::nothing_missing);
             CHECK(diagnosis.causes.empty());
