@@ -8,7 +8,6 @@
 #include "identify/diagnose/judge.hpp"
 #include "identify/diagnose/leftover.hpp"
 #include "identify/diagnose/pass.hpp"
-#include "identify/rig/rig_diagnosis.hpp"
 #include "identify/updating/update.hpp"
 #include "models/error.hpp"
 
@@ -128,28 +127,6 @@ std::optional<Diagnosis> diagnoseWithTolerances(const std::vector<Recording>& id
     }
 }
 
-/// By the free response, of a rig that moves along one axis and whose mobile part was recorded in one kind of quantity:
-/// where there are two, their agreement says more of the sensors. Nothing where it is no such rig.
-std::optional<Diagnosis> diagnoseFreeResponse(const std::vector<Recording>& identification,
-                                              const std::vector<Recording>& validation, const MountModel& model,
-                                              const DiagnosisOptions& options) {
-    for (const auto* group : {&identification, &validation})
-        for (const Recording& recording : *group) {
-            const auto records = [&](Derivative derivative) {
-                return std::any_of(recording.channels.begin(), recording.channels.end(), [&](const Channel& channel) {
-                    const auto name = parseChannelName(channel.name);
-                    return name && name->part == Part::mobile && name->derivative == derivative;
-                });
-            };
-            if (records(Derivative::displacement) == records(Derivative::acceleration)) return std::nullopt;
-        }
-    try {
-        return diagnoseRig(identification, validation, model, options);
-    } catch (const InputError&) {  // said by the steps below too, in the terms of their own needs
-        return std::nullopt;
-    }
-}
-
 /// A verdict never contradicts its figures: where the simulation errs by as much as one in which nothing moves, the
 /// model answers for nothing, whatever noise and posterior would excuse.
 Diagnosis checkVerdict(Diagnosis result, const MountModel& model) {
@@ -168,12 +145,8 @@ Diagnosis checkVerdict(Diagnosis result, const MountModel& model) {
 Diagnosis diagnose(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
                    const MountModel& model, const DiagnosisOptions& options) {
     if (identification.empty()) throw InputError({}, "no recording to diagnose", "at least one CSV file");
-    std::optional<Diagnosis> rig = diagnoseFreeResponse(identification, validation, model, options);
-    if (rig) rig = checkVerdict(std::move(*rig), model);
-    if (rig && rig->verdict != Diagnosis::Verdict::unexplained) return std::move(*rig);
     // The simplest world first: exact numbers and a cause or two. Where that leaves something, nothing is exact.
     Diagnosis exact = checkVerdict(diagnoseExact(identification, validation, model, options), model);
-    if (rig && rig->error_after.validation < exact.error_after.validation) exact = std::move(*rig);
     if (exact.verdict != Diagnosis::Verdict::unexplained) return exact;
     auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
     if (adjusted) adjusted = checkVerdict(std::move(*adjusted), model);

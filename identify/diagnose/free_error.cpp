@@ -76,12 +76,8 @@ double calcNoiseVariance(const FreeRun& free, const MountModel& model) {
     return square(run.mobile, 0) + square(run.fixed, 1) + folded;
 }
 
-Eigen::MatrixXd passCompared(const RunMotion& run, const Eigen::MatrixXd& rows) {
-    return highPass(rows, lowestCompared(run), run.interval);
-}
-
 Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model) {
-    return passCompared(*run.motion, simulate(*run.motion, model) - run.measured);
+    return highPass(simulate(*run.motion, model) - run.measured, lowestCompared(*run.motion), run.motion->interval);
 }
 
 Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion& run, const MountModel& model) {

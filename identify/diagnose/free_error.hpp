@@ -36,9 +36,6 @@ struct FreeRun {
     /// scatter of the rigid fits.
     std::optional<std::array<double, 2>> displacement_noise = {};
 };
-/// Rows of relative displacements as the error compares them: of a run whose motion is integrated from accelerations
-/// alone, above the frequency from which on it is known.
-Eigen::MatrixXd passCompared(const RunMotion& run, const Eigen::MatrixXd& rows);
 /// Simulated minus measured, as the error compares them. @throws SimulationDiverged
 Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model);
 /// What the recording's noise gives one relative displacement, m².

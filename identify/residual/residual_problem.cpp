@@ -108,7 +108,7 @@ ResidualFit ResidualProblem::fit(const HypothesisSet& set, double samples, const
             J += slope * V.row(i);
         }
     };
-    // A response that has lost the measured one's phase has no slope that leads back: a direction that has not moved
+    // A law that is far off may have no slope that leads back: a direction that has not moved
     // yet is looked along first.
     for (Eigen::Index j = tolerances; j < V.cols(); ++j) {
         if (z[j] != 0) continue;
