@@ -27,6 +27,13 @@ std::optional<LawProblem> findNotPositive(const std::string& key, double value, 
     return LawProblem{key, "is " + formatNumber(value), "a number above 0" + unit};
 }
 
+/// A quotient or product that the law computes with, and that two numbers accepted one by one can carry beyond all
+/// numbers.
+std::optional<LawProblem> findOverflow(const std::string& key, double value, double computed, const std::string& what) {
+    if (std::isfinite(computed)) return std::nullopt;
+    return LawProblem{key, "is " + formatNumber(value), "what leaves " + what + " finite"};
+}
+
 std::optional<LawProblem> findStopProblem(const Stop& stop, const std::string& prefix) {
     if (auto p = findNotPositive(prefix + "clearance", stop.clearance, ", m")) return p;
     if (auto p = findNonFinite(prefix + "stiffness", stop.stiffness)) return p;
@@ -36,6 +43,9 @@ std::optional<LawProblem> findStopProblem(const Stop& stop, const std::string& p
 std::optional<LawProblem> findFrictionProblem(const Friction& friction) {
     if (auto p = findNegative("friction.force", friction.force, ", N")) return p;
     if (auto p = findNotPositive("friction.transition_velocity", friction.transition_velocity, ", m/s")) return p;
+    if (auto p = findOverflow("friction.transition_velocity", friction.transition_velocity,
+                              1 / friction.transition_velocity, "its reciprocal"))
+        return p;
     if (!friction.presliding_stiffness) return std::nullopt;
     return findNotPositive("friction.presliding_stiffness", *friction.presliding_stiffness, ", N/m");
 }
@@ -48,6 +58,9 @@ std::optional<LawProblem> findOutside(const std::string& key, double value, doub
 std::optional<LawProblem> findHysteresisProblem(const Hysteresis& hysteresis) {
     if (auto p = findNegative("hysteresis.force", hysteresis.force, ", N")) return p;
     if (auto p = findNotPositive("hysteresis.yield_displacement", hysteresis.yield_displacement, ", m")) return p;
+    if (auto p = findOverflow("hysteresis.yield_displacement", hysteresis.yield_displacement,
+                              hysteresis.force / hysteresis.yield_displacement, "force / yield_displacement"))
+        return p;
     if (auto p = findOutside("hysteresis.exponent", hysteresis.exponent, 1, Hysteresis::sharpest)) return p;
     auto p = findOutside("hysteresis.shape", hysteresis.shape, 0.5, 1);
     if (p) p->accepted += ", since less would give back more energy than its spring holds";
@@ -97,6 +110,12 @@ std::optional<LawProblem> findProblem(const AxisLaw& law) {
     if (law.relaxation) {
         if (auto p = findNegative("relaxation.stiffness_ratio", law.relaxation->stiffness_ratio, "")) return p;
         if (auto p = findNotPositive("relaxation.time_constant", law.relaxation->time_constant, ", s")) return p;
+        if (auto p = findOverflow("relaxation.stiffness_ratio", law.relaxation->stiffness_ratio,
+                                  law.relaxation->stiffness_ratio * law.stiffness, "its product with the stiffness"))
+            return p;
+        if (auto p = findOverflow("relaxation.time_constant", law.relaxation->time_constant,
+                                  1 / law.relaxation->time_constant, "its reciprocal"))
+            return p;
     }
     if (law.friction) {
         if (auto p = findFrictionProblem(*law.friction)) return p;

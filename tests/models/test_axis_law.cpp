@@ -225,6 +225,24 @@ TEST_CASE("values out of range are named with their key") {
          }},
         {"hysteresis.force", [](AxisLaw& law) { law.hysteresis->force = -1; }},
         {"hysteresis.yield_displacement", [](AxisLaw& law) { law.hysteresis->yield_displacement = 0; }},
+        // Numbers that are accepted one by one, and whose quotient or product none is.
+        {"hysteresis.yield_displacement",
+         [](AxisLaw& law) {
+             law.hysteresis = Hysteresis{1e300, 1e-9};
+         }},
+        {"friction.transition_velocity",
+         [](AxisLaw& law) {
+             law.friction = Friction{1, 1e-310, {}};
+         }},
+        {"relaxation.time_constant",
+         [](AxisLaw& law) {
+             law.relaxation = Relaxation{0.1, 1e-320};
+         }},
+        {"relaxation.stiffness_ratio",
+         [](AxisLaw& law) {
+             law.stiffness = 1e10;
+             law.relaxation = Relaxation{1e305, 0.1};
+         }},
         {"hysteresis.exponent", [](AxisLaw& law) { law.hysteresis->exponent = 51; }},
         {"hysteresis.exponent", [](AxisLaw& law) { law.hysteresis->exponent = not_a_number; }},
         {"hysteresis.shape", [](AxisLaw& law) { law.hysteresis->shape = 1.01; }},
