@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "identify/commands/diagnosis_output.hpp"
-#include "identify/commands/diagnosis_report.hpp"
 #include "identify/commands/recordings.hpp"
 #include "models/admissible_model.hpp"
 
