@@ -50,6 +50,8 @@ void addPlot(HtmlReport& page, const std::string& title, const TipSpring& spring
 void writeReport(const BeamTip& tip, const Table& table, const std::string& recording, const std::string& file,
                  OutputFiles& outputs) {
     HtmlReport page("Spring at the tip of the beam: " + recording);
+    page.addLead("The spring hardens with " + formatNumber(tip.complete.cubic, 4) + " N/m^3; the equation leaves " +
+                 formatNumber(100 * tip.complete.residual_fraction, 3) + " % of the inertia force.");
     page.addTable(table.header(), table.rows());
     addPlot(page, "Complete equation of the tip", tip.complete, 0);
     addPlot(page, "Truncated equation of the tip", tip.truncated, tip.truncated.stiffness);

@@ -4,7 +4,7 @@
 
 #include "identify/cli/command.hpp"
 #include "identify/commands/diagnose.hpp"
-#include "identify/commands/fitted_model.hpp"
+#include "identify/commands/fit_output.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/recording/recording_reader.hpp"
 

@@ -5,7 +5,6 @@
 
 #include "identify/cli/command.hpp"
 #include "identify/commands/fit_output.hpp"
-#include "identify/commands/fitted_model.hpp"
 #include "identify/commands/recordings.hpp"
 #include "identify/fit/stored_equations.hpp"
 #include "models/admissible_model.hpp"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "identify/cli/command.hpp"
-#include "identify/commands/fitted_model.hpp"
+#include "identify/commands/fit_output.hpp"
 #include "identify/commands/plan.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"

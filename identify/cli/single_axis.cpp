@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "identify/cli/command.hpp"
-#include "identify/commands/fitted_model.hpp"
+#include "identify/commands/fit_output.hpp"
 #include "identify/commands/recordings.hpp"
 #include "models/admissible_model.hpp"
 #include "models/command_line/usage.hpp"
@@ -78,6 +78,8 @@ std::string describeResidual(const SingleAxisResult& result) {
 void writeReport(const SingleAxisResult& result, const std::string& recording, const std::string& file,
                  OutputFiles& outputs) {
     HtmlReport page("One-axis regression: " + recording);
+    page.addLead("One equation of motion leaves " + formatNumber(100 * result.residual_fraction, 3) +
+                 " % of the force unexplained.");
     const Table table = makeTable(result);
     page.addTable(table.header(), table.rows());
     page.addText(describeSingularValues(result));

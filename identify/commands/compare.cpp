@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "identify/commands/compare_pictures.hpp"
 #include "identify/commands/format.hpp"
 #include "identify/commands/recordings.hpp"
 #include "models/report/html_report.hpp"
@@ -67,6 +68,22 @@ std::string describeError(const Comparison& comparison) {
     return text;
 }
 
+/// One sentence with engineering units.
+std::string makeHeadline(const Comparison& comparison) {
+    const ChannelError* worst = nullptr;
+    double squares = 0;
+    for (const ChannelError& channel : comparison.channels) {
+        squares += channel.rms * channel.rms;
+        if (worst == nullptr || channel.share > worst->share) worst = &channel;
+    }
+    const double off = comparison.error * std::sqrt(squares / static_cast<double>(comparison.channels.size()));
+    std::string text = "The simulation is off by " + formatNumber(1e3 * off, 3) + " mm RMS, " +
+                       formatHundredths(comparison.error) + " % of the measured relative displacement";
+    if (worst != nullptr && worst->share > 0)
+        text += "; " + formatHundredths(worst->share) + " % of the squared error sits at " + worst->name;
+    return text + ".";
+}
+
 Table makeTable(const Comparison& comparison) {
     const bool regimes = comparison.free || comparison.contact;
     std::vector<std::string> header{"channel", "RMS [mm]", "error [%]", "share [%]"};
@@ -98,21 +115,15 @@ CompareAnswer runCompare(const CompareRequest& request, Watcher& watcher) {
     answer.record = beginRecord("compare");
     answer.measured = request.measured.file;
     answer.simulated = request.simulated.file;
-    std::optional<MountModel> model;
-    if (!request.model.empty()) model = readDeviceModel(request.model, request.geometry);
-    addInput(answer.record, "model", request.model);
-    if (model) answer.record.addInput("bracket modes", model->bracket_path);
-    answer.record.addInput("columns", request.columns);
-    answer.record.addInput("geometry", request.geometry);
-    addInput(answer.record, "measured", request.measured);
-    addInput(answer.record, "simulated", request.simulated);
-    watcher.onInputs(listFiles(answer.record));
+    const DeviceInputs inputs =
+        readInputs(request.model, request.columns, request.geometry,
+                   {{"measured", request.measured}, {"simulated", request.simulated}}, answer.record, watcher);
+    const std::optional<MountModel>& model = inputs.model;
+    // A simulated recording has no columns of the laboratory's sensors.
     const std::optional<ColumnMap> map = readOptionalMap(request.columns);
-    const std::optional<ColumnMap> laboratory = model ? readDeviceMap(request.columns, *model) : map;
-    if (laboratory) answer.record.addColumns(*laboratory);
     const double share_of_reading = model ? 0.5 : 0.9;
     watcher.onStep("reading " + answer.measured, 0, 1);
-    const Recording measured = readSource(request.measured, laboratory ? &*laboratory : nullptr);
+    const Recording measured = readSource(request.measured, inputs.findMap());
     watcher.onStep("reading " + answer.simulated, share_of_reading / 2, 1);
     const Recording simulated = readSource(request.simulated, map ? &*map : nullptr);
     watcher.onStep("comparing", share_of_reading, 1);
@@ -145,7 +156,8 @@ std::string formatText(const CompareAnswer& answer, TextStyle style) {
 void writeReport(const CompareAnswer& answer, const std::string& file, OutputFiles& outputs) {
     const Comparison& comparison = answer.comparison;
     HtmlReport page("Comparison of " + answer.simulated + " with " + answer.measured);
-    page.addLead(describeError(comparison));
+    page.addLead(makeHeadline(comparison));
+    page.addText(describeError(comparison) + ".");
     const Table table = makeTable(comparison);
     page.addTable(table.header(), table.rows());
     page.addText(
@@ -173,6 +185,7 @@ void writeReport(const CompareAnswer& answer, const std::string& file, OutputFil
     if (!left_out.empty())
         page.addText("Not drawn, as they hold less than " + formatHundredths(kLeastShareDrawn) +
                      " % of the error:" + left_out);
+    addComparedMotions(page, comparison);
     if (!comparison.notes.empty()) page.addHeading("How the motion was obtained");
     page.addList(comparison.notes);
     page.write(file, outputs);

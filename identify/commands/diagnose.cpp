@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "identify/commands/diagnosis_output.hpp"
-#include "identify/commands/diagnosis_report.hpp"
 #include "identify/commands/element_report.hpp"
 #include "identify/commands/recordings.hpp"
 #include "identify/component/component_diagnosis.hpp"

@@ -1,5 +1,5 @@
 /// @file
-/// A diagnosis as data and as a readable argument.
+/// A diagnosis as data, as a readable argument, in one sentence, and as a page.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "identify/diagnose/diagnosis.hpp"
+#include "models/atomic_file.hpp"
+#include "models/recording/recording.hpp"
 #include "models/terminal.hpp"
 
 namespace wems::identify::commands {
@@ -28,5 +30,23 @@ bool usesTolerances(const Diagnosis& diagnosis);
 /// where there are any, after, noise alone.
 std::vector<std::vector<std::string>> tabulateErrors(const Diagnosis& diagnosis);
 std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style);
+
+/// The cause that explains most, with its largest number beside what the model has, lengths in mm and stiffnesses in
+/// N/mm: `The centre of gravity lies 16.49 ± 0.29 mm above where the model has it; this explains 99 % of the error.`
+/// Without a cause what the verdict means.
+/// @param believed the model that was diagnosed
+std::string makeHeadline(const Diagnosis& diagnosis, const MountModel& believed);
+
+struct DiagnosedRuns {
+    const std::vector<Recording>& identification;
+    const std::vector<Recording>& validation;  ///< may be empty
+};
+
+/// Verdict, errors, the runs in motion, causes with their ties, restoring forces and free simulations before and after,
+/// every round with its candidates and why one was taken or none, and the spectrum of the residual.
+/// @param model as given
+/// @throws InputError if the file cannot be written
+void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, const DiagnosedRuns& runs,
+                          const std::string& title, const std::string& file, OutputFiles& outputs);
 
 }  // namespace wems::identify::commands

@@ -1,5 +1,3 @@
-#include "identify/commands/diagnosis_report.hpp"
-
 #include <algorithm>
 #include <iterator>
 
@@ -121,7 +119,7 @@ void addSpectrum(const Diagnosis& diagnosis, HtmlReport& page) {
     if (diagnosis.spectrum.frequency.empty()) return;
     Plot plot{"Misfit of the equations of motion, validation recordings",
               "frequency [Hz]",
-              "misfit per value",
+              "misfit per value [-]",
               {},
               false,
               true};
@@ -156,7 +154,8 @@ void addCurves(const Diagnosis& diagnosis, const MountModel& model, const Diagno
 void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, const DiagnosedRuns& runs,
                           const std::string& title, const std::string& file, OutputFiles& outputs) {
     HtmlReport page("Diagnosis of " + title);
-    page.addLead("Verdict: " + formatVerdict(diagnosis.verdict));
+    page.addLead(makeHeadline(diagnosis, model));
+    page.addText("Verdict: " + formatVerdict(diagnosis.verdict) + ".");
     page.addText(describeErrors(diagnosis));
     if (!diagnosis.unexplained_where.empty())
         page.addText("What is left sits at: " + joinWords(diagnosis.unexplained_where, ", "));

@@ -43,13 +43,12 @@ void writeElementReport(const DiagnoseAnswer& answer, const std::string& file, O
     const Diagnosis& diagnosis = answer.diagnosis;
     HtmlReport page("Element on a test machine: " + answer.title);
     page.addText("Verdict: " + formatVerdict(diagnosis.verdict) + ".");
-    page.addTable({"error of the force", "identification", "validation"}, tabulateErrors(diagnosis));
+    page.addTable({"force", "error before", "adjusted", "error after", "noise alone"}, tabulateErrors(diagnosis));
     if (!diagnosis.causes.empty())
-        page.addTable({"cause", "probability", "gain", "parameter", "value", "95 % from", "to", "unit"},
+        page.addTable({"cause", "probability", "gain [dB]", "parameter", "value", "95 % interval", "unit"},
                       tabulateCauses(diagnosis));
     if (!diagnosis.adjustments.empty())
-        page.addTable({"adjusted", "believed", "tolerance", "value", "95 % from", "to", "unit"},
-                      tabulateAdjustments(diagnosis));
+        page.addTable({"number", "believed", "±", "value", "95 % interval", "unit"}, tabulateAdjustments(diagnosis));
     for (const Recording& recording : answer.identification) addTest(recording, answer, "identification", page);
     for (const Recording& recording : answer.validation) addTest(recording, answer, "validation", page);
     for (const auto& note : diagnosis.notes) page.addText(note);

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "identify/commands/component_fit.hpp"
-#include "identify/commands/fit_report.hpp"
+#include "identify/commands/fit_output.hpp"
 #include "identify/commands/recordings.hpp"
 #include "identify/component/component_data.hpp"
 #include "identify/component/law_selection.hpp"
@@ -160,6 +160,13 @@ nlohmann::json describeOptions(const FitRequest& request) {
 void writeElementReport(const FitAnswer& answer, const std::string& file, OutputFiles& outputs) {
     const ComponentFit& fit = *answer.element;
     HtmlReport page("Identified element: connection " + fit.connection + ", axis " + "xyz"[fit.axis]);
+    if (!fit.parameters.empty()) {
+        const ComponentParameter& first = fit.parameters.front();
+        const double radius = 0.5 * (first.upper - first.lower);
+        page.addLead(first.name + " is " + formatNumber(first.value, 4) +
+                     (std::isfinite(radius) && radius > 0 ? " ± " + formatNumber(radius, 2) : "") + " " + first.unit +
+                     ".");
+    }
     const Table table = tabulateParameters(fit.parameters);
     page.addTable(table.header(), table.rows());
     for (const Recording& recording : answer.recordings)

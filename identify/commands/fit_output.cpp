@@ -2,6 +2,7 @@
 
 #include "identify/commands/format.hpp"
 #include "identify/fit/law_verdict.hpp"
+#include "models/error.hpp"
 #include "models/format_number.hpp"
 
 namespace wems::identify::commands {
@@ -64,6 +65,17 @@ std::string describeResidual(const FitResult& fit) {
     return "unexplained: " + formatNumber(100 * fit.residual_fraction, 3) +
            " % of the wrench that the motion demands; " +
            describeLawVerdict(judgeLaw(fit.residual_fraction, fit.residual_over_noise));
+}
+
+void addFittedModel(const MountModel& fitted, const std::string& file, OutputFiles& outputs) {
+    try {
+        writeMountModel(fitted, file, outputs);
+    } catch (const InputError& error) {
+        if (!error.location().file.empty()) throw;
+        throw InputError({file, 0, error.location().key},
+                         "the fitted value makes no model that could be read again: it " + error.problem(),
+                         error.accepted());
+    }
 }
 
 }  // namespace wems::identify::commands

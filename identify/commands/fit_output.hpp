@@ -1,5 +1,6 @@
 /// @file
-/// A fit as data and as tables.
+/// A fit as data, as tables, as a model that every command reads, and as a page with pictures: values, what is not
+/// known, curves on the data, what the equations leave, the motion.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,6 +9,10 @@
 #include <vector>
 
 #include "identify/fit/fit.hpp"
+#include "identify/motion/motion.hpp"
+#include "models/atomic_file.hpp"
+#include "models/mount_model.hpp"
+#include "models/recording/recording.hpp"
 #include "models/text_table.hpp"
 
 namespace wems::identify::commands {
@@ -19,5 +24,21 @@ Table makeParameterTable(const FitResult& fit);
 /// What is not known one by one.
 Table makeOpenTable(const FitResult& fit);
 std::string describeResidual(const FitResult& fit);
+
+/// Adds a fitted model to the outputs.
+/// @param fitted within what a model may hold (makeAdmissible)
+/// @throws InputError if a fitted value still keeps it from being a model
+void addFittedModel(const MountModel& fitted, const std::string& file, OutputFiles& outputs);
+
+struct ReportedFit {
+    const FitResult& fit;
+    const MountModel& start;  ///< what the fit started from
+    const std::vector<RunMotion>& runs;
+    const std::vector<Recording>& recordings;  ///< of the runs; none where the runs are blocks of long recordings
+    const std::vector<std::string>& notes;
+};
+
+/// @throws InputError if the file cannot be written
+void writeFitReport(const ReportedFit& reported, const std::string& file, OutputFiles& outputs);
 
 }  // namespace wems::identify::commands

@@ -1,5 +1,3 @@
-#include "identify/commands/fit_report.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -26,7 +24,7 @@ void addDirections(HtmlReport& page, const std::vector<ParameterDirection>& dire
         "deviations of what is left the equations change, all of them together, when the parameters change by their "
         "whole size along a direction. A direction is known if its standard error, errors of gains and positions "
         "included, is below 10 % (dashpots 20 %).");
-    Plot plot{"Singular values", "number", "standard deviations", {}, true, true};
+    Plot plot{"Singular values", "number [-]", "standard deviations [-]", {}, true, true};
     for (const bool known : {true, false}) {
         Series series{known ? "known" : "not known", {}, {}, true, known ? 0 : 1};
         for (std::size_t d = 0; d < directions.size(); ++d) {

@@ -125,22 +125,12 @@ bool InspectAnswer::hasFindings() const {
 InspectAnswer runInspect(const InspectRequest& request, Watcher& watcher) {
     InspectAnswer answer;
     answer.record = beginRecord("inspect");
-    std::optional<MountModel> model;
-    if (!request.model.empty()) model = readDeviceModel(request.model, request.geometry);
-    addInput(answer.record, "model", request.model);
-    if (model) answer.record.addInput("bracket modes", model->bracket_path);
-    answer.record.addInput("columns", request.columns);
-    answer.record.addInput("geometry", request.geometry);
-    for (const RecordingSource& source : request.recordings) addInput(answer.record, "recording", source);
     answer.record.options = {{"memory_MB", request.memory.megabytes}};
-    watcher.onInputs(listFiles(answer.record));
-    const std::optional<ColumnMap> map =
-        model ? readDeviceMap(request.columns, *model) : readOptionalMap(request.columns);
-    if (map) answer.record.addColumns(*map);
+    const DeviceInputs inputs =
+        readInputs(request.model, request.columns, request.geometry, request.recordings, answer.record, watcher);
     for (const RecordingSource& source : request.recordings) {
         InspectedRecording& one = answer.recordings.emplace_back();
-        one.inspection =
-            inspectOne(request, source, map ? &*map : nullptr, model ? &*model : nullptr, one.recording, watcher);
+        one.inspection = inspectOne(request, source, inputs.findMap(), inputs.findModel(), one.recording, watcher);
         one.recording.time = {};
         for (Channel& channel : one.recording.channels) channel.values = {};
     }

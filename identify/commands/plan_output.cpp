@@ -130,8 +130,8 @@ nlohmann::json intervalOrNull(const std::optional<std::array<double, 2>>& interv
 
 Plot plotIntervals(const Proposal& proposal, std::size_t number) {
     Plot plot{"Half width of the 95 % intervals, proposal " + std::to_string(number),
-              "number of the parameter",
-              "half width over value",
+              "number of the parameter [-]",
+              "half width over value [-]",
               {{"now", {}, {}, true, 0}, {"then", {}, {}, true, 1}},
               true,
               true};

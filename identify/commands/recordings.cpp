@@ -81,6 +81,29 @@ MountModel readDeviceModel(const ModelSource& source, const std::string& geometr
     return model;
 }
 
+DeviceInputs readInputs(const ModelSource& model, const std::string& columns, const std::string& geometry,
+                        const std::vector<std::pair<std::string, RecordingSource>>& recordings, ResultRecord& record,
+                        Watcher& watcher) {
+    DeviceInputs inputs;
+    if (!model.empty()) inputs.model = readDeviceModel(model, geometry);
+    addInput(record, "model", model);
+    if (inputs.model) record.addInput("bracket modes", inputs.model->bracket_path);
+    record.addInput("columns", columns);
+    record.addInput("geometry", geometry);
+    for (const auto& [role, source] : recordings) addInput(record, role, source);
+    watcher.onInputs(listFiles(record));
+    inputs.map = inputs.model ? readDeviceMap(columns, *inputs.model) : readOptionalMap(columns);
+    if (inputs.map) record.addColumns(*inputs.map);
+    return inputs;
+}
+
+DeviceInputs readInputs(const ModelSource& model, const std::string& columns, const std::string& geometry,
+                        const std::vector<RecordingSource>& recordings, ResultRecord& record, Watcher& watcher) {
+    std::vector<std::pair<std::string, RecordingSource>> named;
+    for (const RecordingSource& source : recordings) named.emplace_back("recording", source);
+    return readInputs(model, columns, geometry, named, record, watcher);
+}
+
 void checkConnections(Recording& recording, const MountModel& model) {
     for (const Finding& finding : checkAgainstModel(recording, model)) recording.warnings.push_back(finding.message);
 }

@@ -4,9 +4,11 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "identify/commands/sources.hpp"
+#include "identify/commands/watcher.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording.hpp"
@@ -21,6 +23,24 @@ std::optional<ColumnMap> readDeviceMap(const std::string& file, const MountModel
 
 /// The model of `--model`, and the sensors of `--geometry` unless `geometry` is empty.
 MountModel readDeviceModel(const ModelSource& source, const std::string& geometry);
+
+/// What a command on recordings reads before them.
+struct DeviceInputs {
+    std::optional<MountModel> model;  ///< nothing where none was named
+    std::optional<ColumnMap> map;     ///< with the columns that the model's sensor tables name
+
+    const MountModel* findModel() const { return model ? &*model : nullptr; }
+    const ColumnMap* findMap() const { return map ? &*map : nullptr; }
+};
+
+/// Enters the files of a command into its record, tells the watcher of all of them, and reads model and map.
+/// @param recordings each with its role
+DeviceInputs readInputs(const ModelSource& model, const std::string& columns, const std::string& geometry,
+                        const std::vector<std::pair<std::string, RecordingSource>>& recordings, ResultRecord& record,
+                        Watcher& watcher);
+/// The same for recordings that all have the role `recording`.
+DeviceInputs readInputs(const ModelSource& model, const std::string& columns, const std::string& geometry,
+                        const std::vector<RecordingSource>& recordings, ResultRecord& record, Watcher& watcher);
 
 /// Connections that are missing, unknown or exchanged join the recording's warnings.
 void checkConnections(Recording& recording, const MountModel& model);

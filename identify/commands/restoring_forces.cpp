@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "identify/commands/surface_sheets.hpp"
+#include "identify/commands/surface_report.hpp"
 #include "identify/problem/mount_equation.hpp"
 #include "identify/problem/rigid_matrices.hpp"
 

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/commands/device_scene.hpp"
 #include "identify/commands/format.hpp"
 #include "identify/commands/quality_output.hpp"
 #include "identify/commands/recordings.hpp"
-#include "identify/commands/rigidity_report.hpp"
+#include "models/error.hpp"
+#include "models/format_number.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::commands {
@@ -89,6 +91,29 @@ std::vector<std::string> makeSentences(const Rigidity& rigidity, const QualityVe
     return lines;
 }
 
+constexpr Eigen::Index kStretches = 200;
+
+/// The noise of ten checks over all samples would be a black band.
+Series takeLargest(const RigidityCheck& check, const std::vector<double>& x) {
+    Series series{check.name, {}, {}};
+    const Eigen::Index count = std::min(check.percent.size(), static_cast<Eigen::Index>(x.size())),
+                       stretches = std::min(count, kStretches);
+    for (Eigen::Index s = 0; s < stretches; ++s) {
+        const Eigen::Index from = s * count / stretches, to = (s + 1) * count / stretches;
+        series.x.push_back(x[static_cast<std::size_t>((from + to) / 2)]);
+        series.y.push_back(check.percent.segment(from, to - from).cwiseAbs().maxCoeff());
+    }
+    return series;
+}
+
+void addMotionIfKnown(HtmlReport& report, const Recording& recording, const MountModel& model) {
+    try {
+        addMotion(report, makeDeviceScene({recording}, model));
+    } catch (const InputError& error) {
+        report.addText(std::string("The device cannot be shown in motion: ") + error.what());
+    }
+}
+
 }  // namespace
 
 double RigidityAnswer::findLargest() const {
@@ -100,14 +125,10 @@ double RigidityAnswer::findLargest() const {
 RigidityAnswer runRigidity(const RigidityRequest& request, Watcher& watcher) {
     RigidityAnswer answer;
     answer.record = beginRecord("rigidity");
-    answer.model = readDeviceModel(request.model, request.geometry);
-    addInput(answer.record, "model", request.model);
-    answer.record.addInput("bracket modes", answer.model.bracket_path);
-    answer.record.addInput("columns", request.columns);
-    answer.record.addInput("geometry", request.geometry);
-    addInput(answer.record, "recording", request.recording);
-    watcher.onInputs(listFiles(answer.record));
-    if (const auto map = readDeviceMap(request.columns, answer.model)) answer.record.addColumns(*map);
+    const DeviceInputs inputs =
+        readInputs(request.model, request.columns, request.geometry, {request.recording}, answer.record, watcher);
+    if (!inputs.model) throw InputError({}, "there is no model", "the device's model");
+    answer.model = *inputs.model;
     watcher.onStep("reading " + request.recording.file, 0, 1);
     answer.recording = readDeviceRecordings({request.recording}, request.columns, answer.model).front();
     watcher.onStep("checks", 0.45, 1);  // as a sweep of 50 000 samples takes
@@ -130,9 +151,39 @@ std::string formatText(const RigidityAnswer& answer, TextStyle style) {
 }
 
 void writeReport(const RigidityAnswer& answer, const std::string& file, OutputFiles& outputs) {
-    writeRigidityReport(answer.rigidity, makeTable(answer.rigidity),
-                        makeSentences(answer.rigidity, answer.quality, answer.recording), answer.recording,
-                        answer.model, file, outputs);
+    const Rigidity& rigidity = answer.rigidity;
+    const Table table = makeTable(rigidity);
+    HtmlReport report("Rigidity: " + answer.recording.file);
+    const auto worst =
+        std::max_element(rigidity.checks.begin(), rigidity.checks.end(),
+                         [](const RigidityCheck& a, const RigidityCheck& b) { return a.max_percent < b.max_percent; });
+    if (worst != rigidity.checks.end())
+        report.addLead("The largest error of a rigid body's geometry is " + formatNumber(worst->max_percent, 3) +
+                       " %, that of " + worst->name +
+                       (std::isfinite(worst->at_frequency) ? " at " + formatNumber(worst->at_frequency, 4) + " Hz"
+                                                           : " at " + formatNumber(worst->at_time, 4) + " s") +
+                       ".");
+    report.addTable(table.header(), table.rows());
+    for (const std::string& sentence : makeSentences(rigidity, answer.quality, answer.recording))
+        report.addText(sentence);
+    report.addText("Drawn is the largest error of each check, either way, in each of up to " +
+                   std::to_string(kStretches) + " stretches of the run.");
+    const auto& hertz = rigidity.swept.hertz;
+    const std::vector<double> frequencies(hertz.data(), hertz.data() + hertz.size());
+    for (const bool fixed : {false, true}) {
+        const std::string part = fixed ? "fixed part" : "mobile part";
+        Plot time{"Error over time, " + part, "time [s]", "largest error [%]", {}},
+            frequency{"Error over swept frequency, " + part, "swept frequency [Hz]", "largest error [%]", {}};
+        for (const RigidityCheck& check : rigidity.checks) {
+            if ((check.name.rfind("fixed ", 0) == 0) != fixed) continue;
+            time.series.push_back(takeLargest(check, rigidity.time));
+            if (rigidity.swept.is_sine) frequency.series.push_back(takeLargest(check, frequencies));
+        }
+        if (!time.series.empty()) report.addPlot(time);
+        if (!frequency.series.empty()) report.addPlot(frequency);
+    }
+    addMotionIfKnown(report, answer.recording, answer.model);
+    report.write(file, outputs);
 }
 
 }  // namespace wems::identify::commands

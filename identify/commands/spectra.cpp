@@ -11,26 +11,17 @@ namespace wems::identify::commands {
 SpectraAnswer runSpectra(const SpectraRequest& request, Watcher& watcher) {
     SpectraAnswer answer;
     answer.record = beginRecord("spectra");
-    std::optional<MountModel> model;
-    if (!request.model.empty()) model = readDeviceModel(request.model, request.geometry);
-    addInput(answer.record, "model", request.model);
-    if (model) answer.record.addInput("bracket modes", model->bracket_path);
-    answer.record.addInput("columns", request.columns);
-    answer.record.addInput("geometry", request.geometry);
-    for (const RecordingSource& source : request.recordings) addInput(answer.record, "recording", source);
     const SpectraSettings& settings = request.settings;
     answer.record.options = {{"reference", settings.reference}, {"q", settings.quality}};
     if (settings.resolution) answer.record.options["resolution"] = *settings.resolution;
     if (settings.band) answer.record.options["band"] = {settings.band->first, settings.band->second};
-    watcher.onInputs(listFiles(answer.record));
-    const std::optional<ColumnMap> map =
-        model ? readDeviceMap(request.columns, *model) : readOptionalMap(request.columns);
-    if (map) answer.record.addColumns(*map);
+    const DeviceInputs inputs =
+        readInputs(request.model, request.columns, request.geometry, request.recordings, answer.record, watcher);
     for (const RecordingSource& source : request.recordings) {
         watcher.onStep("spectra of " + source.file, 0, 1);
-        const Recording recording = readSource(source, map ? &*map : nullptr);
+        const Recording recording = readSource(source, inputs.findMap());
         for (const auto& warning : recording.warnings) answer.warnings.push_back(source.file + ": " + warning);
-        answer.runs.push_back(calcRunSpectra(recording, model ? &*model : nullptr, settings));
+        answer.runs.push_back(calcRunSpectra(recording, inputs.findModel(), settings));
     }
     return answer;
 }

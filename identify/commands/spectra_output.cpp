@@ -1,7 +1,9 @@
 #include "identify/commands/spectra_output.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "identify/commands/level_overlay.hpp"
 #include "identify/spectra/distributions.hpp"
 
 namespace wems::identify::commands {
@@ -80,12 +82,18 @@ SpectrumUnit findSpectrumUnit(Quantity quantity) {
 }
 
 Table tabulateLevels(const RunSpectra& run) {
-    Table table({"channel", "RMS", "peak", "unit", "at [s]"});
+    const bool swept = std::any_of(run.channels.begin(), run.channels.end(),
+                                   [](const ChannelLevel& level) { return std::isfinite(level.at_hertz); });
+    std::vector<std::string> header{"channel", "RMS", "peak", "unit", "at [s]"};
+    if (swept) header.emplace_back("at [Hz]");
+    Table table(header);
     for (const ChannelLevel& level : run.channels) {
         if (level.peak == 0) continue;
         const SpectrumUnit unit = findSpectrumUnit(level.quantity);
-        table.addRow({level.name, formatNumber(unit.factor * level.rms, 4), formatNumber(unit.factor * level.peak, 4),
-                      unit.name, formatNumber(level.at, 5)});
+        std::vector<std::string> row{level.name, formatNumber(unit.factor * level.rms, 4),
+                                     formatNumber(unit.factor * level.peak, 4), unit.name, formatNumber(level.at, 5)};
+        if (swept) row.push_back(std::isfinite(level.at_hertz) ? formatNumber(level.at_hertz, 4) : "-");
+        table.addRow(row);
     }
     return table;
 }
@@ -118,6 +126,8 @@ Table tabulateMargins(const Margins& margins) {
 
 std::string formatSpectra(const std::vector<RunSpectra>& runs, TextStyle style) {
     std::string text;
+    if (const auto overlay = makeLevelOverlay(runs))
+        text += describeLevels(*overlay) + "\n\n" + tabulateLevels(*overlay).format(style);
     for (const RunSpectra& run : runs) {
         if (!text.empty()) text += "\n";
         text += run.file + ": " + formatNumber(run.spectra.resolution, 4) + " Hz resolution, " +
@@ -151,6 +161,7 @@ nlohmann::json makeSpectraJson(const std::vector<RunSpectra>& runs) {
                                 {"rms", level.rms},
                                 {"peak", level.peak},
                                 {"peak_time", level.at},
+                                {"peak_frequency", numberOrNull(level.at_hertz)},
                                 {"density", listOf(run.spectra.density.col(static_cast<Eigen::Index>(c)))},
                                 {"density_unit", "(" + unit + ")^2/Hz"}});
             if (level.quantity == Quantity::acceleration)

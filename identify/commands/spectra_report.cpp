@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 
+#include "identify/commands/level_overlay.hpp"
 #include "identify/commands/spectra_output.hpp"
 #include "models/report/html_report.hpp"
 
@@ -171,6 +172,12 @@ void writeSpectraReport(const std::vector<RunSpectra>& runs, const std::string& 
     HtmlReport page(runs.size() > 1 ? "Spectra of " + std::to_string(runs.size()) + " runs"
                                     : "Spectra of " + runs[0].file);
     page.addLead(describeLargestPeak(runs));
+    if (const auto overlay = makeLevelOverlay(runs)) {
+        page.addLead(describeLevels(*overlay));
+        page.addPlot(plotLevels(*overlay));
+        const Table table = tabulateLevels(*overlay);
+        page.addTable(table.header(), table.rows());
+    }
     for (const RunSpectra& run : runs) {
         page.addHeading(run.file);
         page.addText(formatNumber(run.spectra.resolution, 4) + " Hz resolution, " +

@@ -1,12 +1,22 @@
 #include "identify/commands/surface_report.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "identify/commands/component_fit.hpp"
-#include "identify/commands/surface_sheets.hpp"
 #include "identify/component/surface_grid.hpp"
+#include "models/format_number.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::commands {
 namespace {
+
+constexpr int kFewestCells = 12, kMostCells = 32;  // each way …
+constexpr double kSamplesPerCell = 12;             // … so that cells are filled
+
+Eigen::VectorXd findMiddles(const Eigen::VectorXd& edges) {
+    return 0.5 * (edges.head(edges.size() - 1) + edges.tail(edges.size() - 1));
+}
 
 std::vector<double> scale(const Eigen::VectorXd& values, double factor) {
     const Eigen::VectorXd scaled = factor * values;
@@ -21,13 +31,35 @@ std::vector<double> scale(const std::vector<double>& values, double factor) {
 
 }  // namespace
 
+ForceSurface makeEmptySurface(const std::string& title) {
+    ForceSurface surface;
+    surface.title = title;
+    surface.displacement_label = "displacement [mm]";
+    surface.velocity_label = "velocity [m/s]";
+    surface.force_label = "force [N]";
+    return surface;
+}
+
+void addSheet(ForceSurface& surface, const std::string& name, const ComponentData& data, bool points, int color) {
+    const double filled = std::sqrt(static_cast<double>(data.q.size()) / kSamplesPerCell);
+    const int cells = std::clamp(static_cast<int>(filled), kFewestCells, kMostCells);
+    const SurfaceGrid grid = makeSurfaceGrid(data, cells, cells);
+    surface.displacement = 1e3 * findMiddles(grid.q_edges);
+    surface.velocity = findMiddles(grid.v_edges);
+    surface.sheets.push_back({name, grid.median, points, color});
+}
+
 void writeSurfaceReport(const ComponentData& data, const SurfaceKind& kind, const std::string& file,
                         OutputFiles& outputs) {
     constexpr int cells = 60;
     const std::vector<double> force = scale(data.force, 1), displacement = scale(data.q, 1e3);
     HtmlReport report("Restoring force surface: " + data.file);
-    report.addText("Connection " + data.connection + ", axis " + "xyz"[data.axis] + ": " + kind.name + ". " +
-                   kind.statement);
+    std::string lead = "Connection " + data.connection + ", axis " + "xyz"[data.axis] + ": " + kind.name;
+    if (!kind.parameters.empty())
+        lead += ", " + kind.parameters.front().name + " " + formatNumber(kind.parameters.front().value, 4) + " " +
+                kind.parameters.front().unit;
+    report.addLead(lead + ".");
+    report.addText(kind.statement);
     if (data.qualitative) report.addText("Qualitative: other connections act on the same body.");
     const Table parameters = tabulateParameters(kind.parameters);
     report.addTable(parameters.header(), parameters.rows());

@@ -153,6 +153,15 @@ public:
     }
     double misfit() const { return excess_; }
 
+    /// Whether a fault of this kind leaves something that no rigid motion does. Of three accelerometers a fault along
+    /// the axis of which there are three leaves round-off alone.
+    bool shows(const ChannelHypothesis& hypothesis) const {
+        constexpr double least = 1e-6;  // of its square: positions say no better where a sensor is
+        return std::all_of(hypothesis.maps.begin(), hypothesis.maps.end(), [&](const Eigen::MatrixXd& map) {
+            return rawProduct(map, map) > least * (map * moments_.signal).cwiseProduct(map).sum();
+        });
+    }
+
     /// Least squares of a hypothesis: gain in misfit, values, standard errors.
     double test(const ChannelHypothesis& hypothesis, Eigen::VectorXd& values, Eigen::VectorXd& errors) const {
         const auto count = static_cast<Eigen::Index>(hypothesis.maps.size());
@@ -232,6 +241,7 @@ std::vector<ChannelFault> findOnSide(const std::vector<Recording>& recordings, c
         double best = 0;
         const ChannelHypothesis* chosen = nullptr;
         for (const auto& hypothesis : hypotheses) {
+            if (!tester.shows(hypothesis)) continue;
             Eigen::VectorXd values, errors;
             const double gain = tester.test(hypothesis, values, errors) - 30.0 * static_cast<double>(values.size());
             if (gain > best && isFault(hypothesis, values, gain_scatter)) {

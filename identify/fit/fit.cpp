@@ -57,7 +57,7 @@ ParameterUncertainty removeSpuriousStops(Solver& solver) {
 }
 
 /// The slow motion of all runs that lack it, for one law. Returns the largest RMS change of a run's relative
-/// displacements, m.
+/// displacements, m. @throws InputError where it grows without bound, as with accelerations in a wrong unit
 double updateSlowMotion(std::vector<RunMotion>& runs, const MountModel& law) {
     constexpr int newton_steps = 3;
     double change = 0;
@@ -65,6 +65,10 @@ double updateSlowMotion(std::vector<RunMotion>& runs, const MountModel& law) {
         if (!lacksSlowMotion(run)) continue;
         change = std::max(change, updateSlowOffset(run, law));
         for (int step = 1; step < newton_steps; ++step) updateSlowOffset(run, law);
+        if (!run.mobile.p.allFinite() || !run.mobile.theta.allFinite())
+            throw InputError({run.file, 0, ""},
+                             "no slow motion lets the mount's force balance what the accelerations demand",
+                             "channels in their right units, and the mass and stiffness of this device");
     }
     return change;
 }

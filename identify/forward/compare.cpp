@@ -182,12 +182,18 @@ Comparison compare(RelativeDisplacement measured, RelativeDisplacement simulated
         touched = findContact(measured.q, *model);
     }
 
+    const auto first = static_cast<Eigen::Index>(window.first), count = static_cast<Eigen::Index>(window.count);
+    result.time.assign(measured.time.begin() + first, measured.time.begin() + first + count);
+    result.swept_frequency = measured.swept_frequency.segment(first, count);
+    result.measured = measured.q.middleCols(first, count);
+    result.simulated.resize(result.measured.rows(), count);
     const std::vector<BandError> bands = makeBands(measured.swept_frequency);
     Sums total(bands.size());
     for (std::size_t channel = 0; channel < measured.names.size(); ++channel) {
         const auto row = static_cast<Eigen::Index>(channel);
         const Eigen::VectorXd values =
             interpolateRow(simulated, findRow(simulated, measured.names[channel]), measured.time, window);
+        result.simulated.row(row) = values.transpose();
         Sums sums(bands.size());
         for (std::size_t k = 0; k < window.count; ++k) {
             const std::size_t sample = window.first + k;

@@ -52,6 +52,10 @@ struct Comparison {
     std::optional<double> free, contact;
     double from = 0, to = 0;         ///< s, the time compared
     std::vector<std::string> notes;  ///< what was interpolated, cut, filtered or left out
+    /// Both motions as they were compared: a row for each of `channels`, a column for each of `time`; m.
+    Eigen::MatrixXd measured, simulated;
+    std::vector<double> time;         ///< s
+    Eigen::VectorXd swept_frequency;  ///< Hz at each time, NaN where unknown
 };
 
 /// Compares at the measured samples of the common time range; the simulated ones are interpolated (cubic) where they

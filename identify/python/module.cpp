@@ -158,6 +158,8 @@ PYBIND11_MODULE(_wems, module) {
     using namespace wems::python;
     py::register_exception_translator(&translateErrors);
     module.attr("version") = WEMS_VERSION;
+    constexpr int first_with_numpy_2 = 212;
+    module.attr("knows_numpy_2") = 100 * PYBIND11_VERSION_MAJOR + PYBIND11_VERSION_MINOR >= first_with_numpy_2;
     bindRecording(module);
     bindModel(module);
     bindCommands(module);

@@ -25,8 +25,10 @@ html_static_path = ["static"]
 CONTENTS = {
     "User guide": [
         "identify/TUTORIAL",
+        "models/GALLERY",
         "scripts/manual_pages/own_mount",
         "scripts/manual_pages/shaker_table",
+        "scripts/manual_pages/shaker_week",
         "scripts/manual_pages/sensors",
         "scripts/manual_pages/symptoms",
     ],

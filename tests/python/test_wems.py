@@ -1,7 +1,9 @@
 """The Python module: the same answers as the programs, errors with their place, arrays without copies, Ctrl-C."""
+import html
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import threading
@@ -31,6 +33,12 @@ def folder(tmp_path_factory):
     os.chdir(where)
     yield where
     os.chdir(old)
+
+
+def read_lead(result, file):
+    """The first sentence of a report."""
+    result.report(file)
+    return html.unescape(re.search(r'<p class="lead">(.*?)</p>', pathlib.Path(file).read_text(encoding="utf-8")).group(1))
 
 
 def call(*arguments):
@@ -64,6 +72,75 @@ def test_diagnosis_names_the_cause(folder):
     assert "reading" in steps and len(steps) > 2
     assert result["inputs"][0]["sha256"] and result["tolerances"]
     assert result.plot() is not None
+    # The report begins with the cause that explains most, beside what the model has.
+    lead = read_lead(result, "diagnosis.html")
+    first = max(result["causes"], key=lambda cause: cause["gain_db"])
+    name = re.search(r"\d\.z\.stiffness", lead).group()
+    value = float(re.search(r" is ([\d.]+) ± ", lead).group(1))
+    assert first["cause"] == "elastomer_stiffness" and "where the model has 120 N/mm" in lead
+    assert abs(1e3 * value / result.model[name] - 1) < 0.01
+    assert f"{round(100 * first['share'])} % of the error" in lead
+
+
+TELESCOPE = """
+name = "telescope on three isolators"
+[body]
+mass = 40.0
+center_of_gravity = [0.0, 0.0, 0.2]
+inertia = [1.2, 1.2, 0.6]
+""" + "".join(f"""
+[[connection]]
+name = "{name}"
+position = {position}
+x = {{ stiffness = 5e4, damping = 80.0 }}
+y = {{ stiffness = 5e4, damping = 80.0 }}
+z = {{ stiffness = 1e5, damping = 150.0 }}
+""" for name, position in (("front", [0.2, 0.0, 0.0]), ("left", [-0.1, 0.17, 0.0]), ("right", [-0.1, -0.17, 0.0])))
+
+
+def record_telescope(model, seed, level):
+    """What one accelerometer at each isolator and one on the table record."""
+    run = wems.simulate(model, sweep=(5, 30), rate=60, base_acceleration=level, seed=seed,
+                        noise={"acceleration": 0.02, "base": 0.02})
+    kept = [name for name in run.names if name.startswith("base.") or ".a" in name and name.startswith("mobile.")]
+    return wems.Recording.from_arrays(run.time, {name: run[name] for name in kept}, name=f"run {seed}")
+
+
+def test_three_accelerometers_are_enough(folder):
+    # Three of one axis determine three motions with none to spare, so that no fault of theirs can show.
+    believed = wems.Model.from_toml(TELESCOPE)
+    aged = believed.copy()
+    aged["front.z.stiffness"] = 7e4
+    runs = [record_telescope(aged, seed, level) for seed, level in ((1, {"x": 1, "z": 1}), (2, {"y": 1, "z": 1}))]
+    found = wems.diagnose(runs[0], believed, validate=runs[1])
+    stiffness = {p["name"]: p["value"] for cause in found["causes"] for p in cause["parameters"]}
+    assert abs(stiffness["front.z.stiffness"] / 7e4 - 1) < 0.02
+    # All channels of the telescope in g, labelled m/s^2: one line, and no values.
+    wrong = wems.Recording.from_arrays(runs[0].time, {name: runs[0][name] * (1 if name.startswith("base") else 1 / 9.80665)
+                                                      for name in runs[0].names})
+    with pytest.raises(wems.InputError) as error:
+        wems.fit(wrong, believed)
+    assert "slow motion" in str(error.value)
+
+
+def test_levels_overlaid(folder):
+    model = wems.Model(MODELS / "smallsat_wems.toml")
+    options = {"sweep": (8, 25), "rate": 60}
+    levels = [wems.simulate(model, force={"z": level}, **options) for level in (40, 20)]
+    text = str(wems.spectra(levels, model=model)).split("\n", maxsplit=1)[0]
+    drive = re.match(r"From ([\d.]+) N RMS to ([\d.]+) N RMS", text)
+    assert abs(float(drive.group(2)) / float(drive.group(1)) - 2) < 0.02
+    peaks = re.search(r"goes from (\S+) at (\S+) Hz to (\S+) at (\S+) Hz", text)
+    low, high = (float(peaks.group(k)) for k in (1, 3))  # no stop is reached: linear, the response over the load is the same
+    assert abs(high / low - 1) < 0.01 and peaks.group(2) == peaks.group(4)
+
+
+def test_comparison_is_drawn(folder):
+    result = wems.compare("run.csv", "run.csv", model="believed.toml")
+    assert "off by 0 mm RMS, 0 % of the measured" in read_lead(result, "same.html")
+    page = pathlib.Path("same.html").read_text(encoding="utf-8")
+    for title in ("Envelope of the relative", "Around the largest motion", "Order 1 at", "Spectrum of the relative"):
+        assert title in page
 
 
 def test_models_by_name(folder):

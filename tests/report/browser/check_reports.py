@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Opens the reports of all commands in headless Chromium: every picture drawn, controls that work, no console error, no
-network, accessible names, contrast, light and dark, 1280 and 390 pixels. Screenshots stay in the output folder.
+network, units at every axis, accessible names, contrast, light and dark, 1400 and 390 pixels, curves on paper. Screenshots
+and the pages as PDF stay in the output folder.
 
     check_reports.py --simulate PROGRAM --identify PROGRAM --device MODEL.toml --out FOLDER
 
@@ -17,6 +18,7 @@ import shutil
 import statistics
 import sys
 import time
+import zlib
 from pathlib import Path
 
 from check_saving import check_saving
@@ -24,7 +26,8 @@ from make_reports import make_reports
 
 SKIPPED = 77
 LARGEST_PAGE = 10e6  # bytes
-WIDTHS = (1280, 390)
+FEWEST_PIECES = 200  # of the paths of a plot on paper: grid and axes without a curve have some forty
+WIDTHS = (1400, 390)
 TABLES = {"set"}  # pages of a table alone
 TRIED = "fit"  # the page whose controls are used; on the others they come from the same code
 EXPECTED = {  # beginnings of titles
@@ -39,6 +42,8 @@ EXPECTED = {  # beginnings of titles
     "modes": ["Mode shapes", "Amplitude for each m/s^2, relative displacement z", "Density, connection force z"],
     "response": ["Relative displacement 4.z"],
     "spectra": ["H1 of mobile part, acceleration z", "Coherence of", "First order of", "Density of", "Shock response of"],
+    "compare": ["Error by band", "Envelope of the relative displacement", "Around the largest motion", "Around the largest error",
+                "Order 1 at", "Order 3 at", "Spectrum of the relative displacement"],
     "inspect": ["Order 1 along the sweep", "Phase of order 1"],
 }
 CLEARANCE = 1.57e-3  # m, of the axial stops of the shipped device
@@ -164,6 +169,44 @@ def check_pictures(browser, name, checks):
         checks.check(label >= 4, f"{name}: a plot has numbers at its axes")
 
 
+def check_units(browser, name, checks):
+    """Every axis says its unit, `[mm]`, or that it has none, `[-]`."""
+    labels = browser.execute_script(
+        "return [...document.querySelectorAll('.dygraph-xlabel, .dygraph-ylabel')].map(label => label.textContent)")
+    bare = [label for label in labels if "[" not in label]
+    checks.check(not bare, f"{name}: axes without unit: {bare[:3]}")
+
+
+def check_paper(browser, name, checks, out):
+    """Printed, no plot is empty: each is lines on the paper, and what moves is an image."""
+    show(browser, WIDTHS[0], True)  # a dark screen prints on white paper all the same
+    browser.execute_script("dispatchEvent(new Event('beforeprint'))")
+    two_frames(browser)
+    drawn = browser.execute_script(CANVASES, ".plot canvas")
+    for i in range(len(drawn) // 2):
+        checks.check(max(drawn[2 * i:2 * i + 2])[0] > 0.0005, f"{name}: plot {i + 1} is drawn for the paper")
+    browser.execute_script("dispatchEvent(new Event('afterprint'))")
+    paper = base64.b64decode(browser.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})["data"])
+    (out / f"{name}.pdf").write_bytes(paper)
+    moving = len(find(browser, ".scene canvas, .surface canvas"))
+    images = paper.count(b"/Subtype /Image")
+    checks.check(images >= moving, f"{name}: {images} images on paper of {moving} pictures in space")
+    pieces = count_pieces(paper)
+    checks.check(pieces >= FEWEST_PIECES * len(drawn) / 2, f"{name}: {pieces} lines on paper in {len(drawn) // 2} plots")
+
+
+def count_pieces(paper):
+    """Pieces of all paths of a PDF, straight and bent; a plot is drawn by paths, not as an image."""
+    pieces = 0
+    for start in re.finditer(rb"stream\r?\n", paper):
+        try:
+            content = zlib.decompress(paper[start.end():paper.find(b"endstream", start.end())])
+        except zlib.error:
+            continue
+        pieces += len(re.findall(rb" [lc]\s", content))
+    return pieces
+
+
 def check_page(browser, name, checks, out):
     for dark in (False, True):
         for width in WIDTHS:
@@ -176,7 +219,7 @@ def check_page(browser, name, checks, out):
             checks.check(not faint, f"{view}: contrast of {faint[:3]}")
             if dark == (width == WIDTHS[1]):  # light and wide, dark and narrow
                 check_pictures(browser, view, checks)
-                save_screenshot(browser, out / f"{view.replace(' ', '_')}.png")
+            save_screenshot(browser, out / f"{view.replace(' ', '_')}.png")
     background = browser.execute_script("return getComputedStyle(document.body).backgroundColor")
     checks.check(background != "rgb(255, 255, 255)", f"{name}: dark is dark")
 
@@ -379,7 +422,9 @@ def main():
                 checks.check(any(text.startswith(title) for text in titles), f"{name}: there is a picture «{title}»")
             if name == "diagnose":
                 check_diagnosis(browser, page, checks)
+            check_units(browser, name, checks)
             check_page(browser, name, checks, arguments.out)
+            check_paper(browser, name, checks, arguments.out)
             errors = [entry["message"] for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
             checks.check(not errors, f"{name}: console errors {errors}")
         moving = [page.stem for page in pages if 'class="scene"' in page.read_text()]
