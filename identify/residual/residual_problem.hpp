@@ -1,6 +1,6 @@
 /// @file
-/// Unknowns with tolerances and hypotheses against a residual of unknown size, such as the force of an element along its
-/// tests.
+/// Unknowns with tolerances and hypotheses against a residual of unknown size, such as the force of an element along
+/// its tests.
 ///
 /// With RSS the sum of squares of the residual and N_e the number of its independent values, the unknowns z (standard
 /// normal, as in identify/solve/evidence.hpp) maximise
