@@ -89,6 +89,9 @@ TEST_CASE("An elastomer beyond its tolerance is named among numbers within their
     CHECK(cause.cause == "elastomer_stiffness");
     CHECK(cause.probability > kNamed);
     REQUIRE(cause.where == std::vector<std::string>{place});
-    CHECK(cause.parameters.front().value == Approx(connection.axis[2].stiffness).epsilon(0.05));
+    const CauseParameter& found = cause.parameters.front();
+    CHECK(found.value == Approx(connection.axis[2].stiffness).epsilon(0.05));
+    CHECK(found.lower < found.value);
+    CHECK(found.upper > found.value);
     CHECK(diagnosis.verdict == Diagnosis::Verdict::explained);
 }
