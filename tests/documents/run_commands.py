@@ -11,7 +11,7 @@ Blocks run in FOLDER, in order, each with `set -e`; before them SCRIPT, which ma
 above a block may say `<!-- not run: why -->` or `<!-- needs VARIABLE -->`.
 
 Other blocks: every option of a `usage` block is in the command's help; a `toml` block is TOML; each line of a `cpp` or
-`cmake` block stands in tests/consumer. Any other language is refused.
+`cmake` block stands in tests/consumer; Python and Octave read a `python` or `matlab` block. Any other language is refused.
 """
 import argparse
 import os
@@ -107,13 +107,20 @@ class Runner:
             squeezed = "".join(consumer.split())
             strange = [line for line in block.body if "".join(line.split("  #")[0].split()) not in squeezed]
             return (f"not in tests/consumer: {strange}", False) if strange else ("as in tests/consumer", True)
+        if block.language == "matlab":
+            octave = shutil.which("octave-cli")
+            if octave is None:
+                return "no Octave to read it", True
+            done = subprocess.run([octave, "--no-init-file", "--quiet", "--eval", f"if false\n{body}\nend"],
+                                  capture_output=True, text=True, check=False)
+            return ("read by Octave", True) if done.returncode == 0 else (f"is not read by Octave: {done.stderr}", False)
         if block.language == "python":
             try:
                 compile(body, "block", "exec")
             except SyntaxError as error:
                 return f"is no Python: {error}", False
             return "Python", True
-        return f"a block of language '{block.language}' is not checked: sh, text, usage, toml, python, cpp, cmake are", False
+        return f"a block of language '{block.language}' is not checked: sh, text, usage, toml, python, matlab, cpp, cmake are", False
 
 
 def main():

@@ -219,7 +219,7 @@ def check_page(browser, name, checks, out):
             checks.check(not faint, f"{view}: contrast of {faint[:3]}")
             if dark == (width == WIDTHS[1]):  # light and wide, dark and narrow
                 check_pictures(browser, view, checks)
-            save_screenshot(browser, out / f"{view.replace(' ', '_')}.png")
+                save_screenshot(browser, out / f"{view.replace(' ', '_')}.png")
     background = browser.execute_script("return getComputedStyle(document.body).backgroundColor")
     checks.check(background != "rgb(255, 255, 255)", f"{name}: dark is dark")
 
