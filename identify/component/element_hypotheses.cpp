@@ -78,7 +78,7 @@ private:
     }
 
     void addHysteresis() {
-        if (believed_.hysteresis) return;
+        if (believed_.hysteresis || own("hysteresis_force") < 0) return;
         for (const double part : kYields) {
             const double yield = part * reach_.displacement;
             Hypothesis& hypothesis = add("hysteresis", {reach_.place});
@@ -121,7 +121,7 @@ private:
             if (stop.stiffness > 0) real.push_back(&stop);
         if (real.empty()) return;
         if (const int index = own("dissipation"); index >= 0) setFree(add("stop_dissipation", {reach_.place}), index);
-        if (real.size() != 2) return;
+        if (real.size() != 2 || own("offset") < 0) return;
         setFree(add("preload", {reach_.place}), own("offset"));
         for (const char* what : {"clearance", "stiffness"}) {
             Hypothesis& hypothesis = add(what == std::string("clearance") ? what : "stop_stiffness",

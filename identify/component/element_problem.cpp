@@ -118,8 +118,17 @@ ElementProblem::ElementProblem(std::vector<ComponentData> tests, std::vector<Com
                          "a displacement that varies, with its times");
     const SensorLayout layout = layOutCell(place_);
     believed_ = {isolate(model, connection, axis_, scales_.displacement), SensorErrors(layout)};
-    for (Unknown& row : makeUnknownTable(believed_, SensorLayout{}, scales_, {}))
-        if (row.kind == UnknownKind::law && row.second == axis) table_.push_back(std::move(row));
+    // A law without a spring has no scale of its own: that of the tests serves, as far as reaches and steps go.
+    TestState scaled = believed_;
+    double& stiffness = scaled.model.connections.front().axis[axis_].stiffness;
+    const bool springless = !(stiffness > 0);
+    if (springless) stiffness = std::sqrt(calcSignalSquare() / static_cast<double>(count)) / scales_.displacement;
+    for (Unknown& row : makeUnknownTable(scaled, SensorLayout{}, scales_, {})) {
+        if (row.kind != UnknownKind::law || row.second != axis) continue;
+        row.believed = row.get(believed_);
+        if (springless && row.name == place_ + ".stiffness") row.deviation = 0;
+        table_.push_back(std::move(row));
+    }
     addDelayRow(model);
     hypotheses_ = listElementHypotheses(
         table_, believed_.model.connections.front().axis[axis_],
