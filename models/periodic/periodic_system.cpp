@@ -70,7 +70,8 @@ PeriodicSystem::PeriodicSystem(const MountModel& model, const HarmonicInput& inp
                                  "has presliding, whose force depends on all that went before",
                                  "friction without presliding_stiffness, or a simulation in time");
             if (force.shape().hystereses > 0)
-                throw InputError({"", 0, place + (force.law().hysteresis ? ".hysteresis" : ".sliders")}, "its force depends on all that went before",
+                throw InputError({"", 0, place + (force.law().hysteresis ? ".hysteresis" : ".sliders")},
+                                 "its force depends on all that went before",
                                  "a law without it, or a simulation in time");
             if (isNonlinear(force.law())) axes_.emplace_back(i, k, force, rest_(k, i));
         }
