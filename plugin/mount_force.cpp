@@ -110,8 +110,9 @@ void MountForce::setLaws(SimTK::State& state, const MountModel& model) const {
         throw InputError({"", 0, "connection"}, "the element was made with other connections",
                          "the same number at the same positions");
     if (laws.stateCount() + 1 != mount.elementState().count())
-        throw InputError({"", 0, "connection"}, "the laws have another number of internal states",
-                         "a change of values, no new branch, slider, loss factor, hysteresis or friction with presliding");
+        throw InputError(
+            {"", 0, "connection"}, "the laws have another number of internal states",
+            "a change of values, no new branch, slider, loss factor, hysteresis or friction with presliding");
     mount.elementState().updValues(state) = std::move(laws);
 }
 
