@@ -76,7 +76,8 @@ struct RunArguments {
 
 Answer fit(const RunArguments& runs, const std::vector<std::string>& free, const std::string& use, double memory,
            const std::string& connection, const std::string& axis, std::optional<double> mass,
-           std::optional<double> from, std::optional<double> to, bool timing, const py::object& progress) {
+           std::optional<double> from, std::optional<double> to, const std::string& law, bool timing,
+           const py::object& progress) {
     FitRequest request;
     request.runs = runs.select();
     request.fit.free_body = free;
@@ -87,6 +88,7 @@ Answer fit(const RunArguments& runs, const std::vector<std::string>& free, const
     request.component.mass = mass;
     request.component.from = from;
     request.component.to = to;
+    request.law = law;
     request.timing = timing;
     request.keeps_runs = true;
     FitAnswer found = follow(progress, [&](Watcher& watcher) { return runFit(request, watcher); });

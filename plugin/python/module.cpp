@@ -12,6 +12,7 @@
 #include "models/error.hpp"
 #include "models/recording/recording.hpp"
 #include "plugin/linear_command.hpp"
+#include "plugin/prescribed_motion.hpp"
 #include "plugin/response_command.hpp"
 #include "plugin/run_settings.hpp"
 #include "plugin/simulation.hpp"
@@ -81,6 +82,15 @@ std::shared_ptr<Recording> simulateWith(const std::shared_ptr<MountModel>& given
     });
 }
 
+/// The forces of a model's laws along a recorded motion.
+std::shared_ptr<Recording> moveAlong(const std::shared_ptr<MountModel>& model,
+                                     const std::shared_ptr<Recording>& motion) {
+    auto recording = std::make_shared<Recording>(followMotion(*model, *motion).recording);
+    recording->file = "forces of " + model->name + " along " + motion->file;
+    recording->format = "simulation";
+    return recording;
+}
+
 /// The load or base acceleration alone, as a recording.
 std::shared_ptr<Recording> excite(const std::vector<std::string>& words) {
     const Excitation excitation = makeExcitation(parseWords(words));
@@ -148,6 +158,7 @@ PYBIND11_MODULE(_simbody, module) {
         .def("text", [](const Answer& self) { return self.text; })
         .def("report", [](const Answer& self, const std::string& file) { self.report(file); });
     module.def("simulate", &simulateWith);
+    module.def("move_along", &moveAlong);
     module.def("excite", &excite);
     module.def("response", &calcResponse);
     module.def("modes", &calcModes);

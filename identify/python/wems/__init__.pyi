@@ -94,8 +94,8 @@ def spectra(recordings: _Sources, *, model: _AnyModel | None = None, columns: _F
 def fit(recordings: _Sources = (), model: _AnyModel | None = None, *, validate: _Sources = (), test: _File | None = None,
         columns: _File | None = None, geometry: _File | None = None, free: Sequence[str] = (), use: _Use = "all",
         memory: float = 2000, connection: str = "", axis: Literal["", "x", "y", "z"] = "", mass: float | None = None,
-        start: float | None = None, end: float | None = None, timing: bool = False,
-        progress: _Progress = None) -> Result: ...
+        start: float | None = None, end: float | None = None, law: Literal["model", "found"] = "model",
+        timing: bool = False, progress: _Progress = None) -> Result: ...
 def diagnose(recordings: _Sources = (), model: _AnyModel | None = None, *, validate: _Sources = (),
              test: _File | None = None, columns: _File | None = None, geometry: _File | None = None,
              progress: _Progress = None) -> Result: ...
@@ -106,7 +106,7 @@ def plan(recordings: _Sources = (), model: _AnyModel | None = None, *, test: _Fi
          free: Sequence[str] = (), use: _Use = "all", memory: float = 2000, progress: _Progress = None) -> Result: ...
 def compare(measured: _Source, simulated: _Source, *, model: _AnyModel | None = None, columns: _File | None = None,
             geometry: _File | None = None, progress: _Progress = None) -> Result: ...
-def simulate(model: _AnyModel, *, drive: _Source | None = None, method: Literal["simbody", "fast"] = "simbody",
+def simulate(model: _AnyModel, *, drive: _Source | None = None, motion: _Source | None = None, method: Literal["simbody", "fast"] = "simbody",
              columns: _File | None = None, progress: _Progress = None, sweep: _Band = None,
              profile: _File | None = None, dwell: _Pair | None = None, half_sine: _Pair | None = None,
              sawtooth: _Pair | None = None, trapezoid: _Pair | None = None, srs: _File | None = None,

@@ -63,18 +63,22 @@ def spectra(recordings, *, model=None, columns=None, geometry=None, resolution=N
 
 
 def fit(recordings=(), model=None, *, validate=(), test=None, columns=None, geometry=None, free=(), use="all",
-        memory=2000, connection="", axis="", mass=None, start=None, end=None, timing=False, progress=None):
+        memory=2000, connection="", axis="", mass=None, start=None, end=None, law="model", timing=False,
+        progress=None):
     """Stiffness, clearance, stops and damping with 95 % intervals; result.model is the fitted model.
 
     free: body parameters to identify too. use: all, displacements or accelerations. validate: runs that judge. Of a
-    single element on a test machine: connection, axis, mass (kg), start and end of the window (s).
+    single element on a test machine: connection, axis, mass (kg), start and end of the window (s), law: the model's
+    shape, or the one that its tests show (found).
     """
     if use not in ("all", "displacements", "accelerations"):
         raise InputError(f"use is {use!r} (accepted: all, displacements, accelerations)", key="use")
     if axis not in ("", "x", "y", "z"):
         raise InputError(f"axis is {axis!r} (accepted: x, y, z)", key="axis")
+    if law not in ("model", "found"):
+        raise InputError(f"law is {law!r} (accepted: model, found)", key="law")
     answer = _wems.fit(_runs(recordings, model, validate, test, columns, geometry), list(free), use, memory,
-                       connection, axis, mass, start, end, timing, progress)
+                       connection, axis, mass, start, end, law, timing, progress)
     return _result(answer, "fit")
 
 
@@ -138,7 +142,7 @@ def _simbody():
     return module
 
 
-def simulate(model, *, drive=None, method="simbody", columns=None, progress=None,
+def simulate(model, *, drive=None, motion=None, method="simbody", columns=None, progress=None,
              sweep=None, profile=None, dwell=None, half_sine=None, sawtooth=None, trapezoid=None, srs=None,
              random=None, psd=None, force=None, base_acceleration=None, base_displacement=None, rate=None,
              linear_rate=None, downwards=False, q=None, fade=None, duration=None, sample_rate=None, channels=None,
@@ -148,6 +152,7 @@ def simulate(model, *, drive=None, method="simbody", columns=None, progress=None
     drive: a recording whose load, base acceleration or (fast method) motion of the fixed part acts again; without it,
     an excitation with the options of the program: sweep=(5, 50), rate=4, force={"z": 200},
     base_acceleration={"z": "1.5g"}, dwell=(8, 10), psd="test.csv", noise={"displacement": 1e-6}.
+    motion: a recording of relative displacements, along which the model's laws are followed instead: their forces.
     method: "simbody", or "fast" for the fixed-step forward model that identify uses.
     """
     options = {"sweep": sweep, "profile": profile, "dwell": dwell, "half_sine": half_sine, "sawtooth": sawtooth,
@@ -158,6 +163,9 @@ def simulate(model, *, drive=None, method="simbody", columns=None, progress=None
     if method not in ("simbody", "fast"):
         raise InputError(f"method is {method!r} (accepted: simbody, fast)", key="method")
     model = model if isinstance(model, Model) else Model(model)
+    if motion is not None:
+        motion = motion if isinstance(motion, Recording) else Recording(motion, columns)
+        return Recording._wrap(_simbody().move_along(model._core, motion._core))
     if method == "simbody":
         if drive is not None:
             drive = drive if isinstance(drive, Recording) else Recording(drive, columns)
