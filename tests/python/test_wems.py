@@ -260,3 +260,15 @@ def test_the_lock_is_released(folder):
     over.set()
     thread.join()
     assert during > 5  # a fit takes some 0.2 s; held, the lock would leave none but those of the polls
+
+
+def test_a_prescribed_motion_gives_the_force_of_the_law(folder):
+    (folder / "element.toml").write_text(
+        'name = "spring"\n[body]\nmass = 1.0\ninertia = [1.0, 1.0, 1.0]\n[[connection]]\nname = "1"\n'
+        "position = [0.0, 0.0, 0.0]\n[connection.z]\nstiffness = 2000.0\n", encoding="utf-8")
+    t = numpy.arange(200) / 100
+    q = 1e-3 * numpy.sin(7 * t)
+    (folder / "motion.csv").write_text(
+        "time [s],relative.1.z [m]\n" + "\n".join(f"{a},{b}" for a, b in zip(t, q)) + "\n", encoding="utf-8")
+    forces = wems.simulate("element.toml", motion="motion.csv")
+    assert numpy.allclose(numpy.asarray(forces["force.1.z"]), 2000 * q, rtol=1e-9, atol=1e-12)
