@@ -42,7 +42,17 @@ void addTest(const Recording& recording, const DiagnoseAnswer& answer, const std
 void writeElementReport(const DiagnoseAnswer& answer, const std::string& file, OutputFiles& outputs) {
     const Diagnosis& diagnosis = answer.diagnosis;
     HtmlReport page("Element on a test machine: " + answer.title);
-    page.addText("Verdict: " + formatVerdict(diagnosis.verdict) + ".");
+    std::string verdict = "Verdict: " + formatVerdict(diagnosis.verdict) + ".";
+    if (!diagnosis.unexplained_where.empty()) {
+        verdict += " What is left sits at:";
+        for (const std::string& place : diagnosis.unexplained_where) verdict += " " + place;
+        verdict += ".";
+    }
+    page.addText(verdict);
+    if (!diagnosis.validated)
+        page.addText(
+            "There were no validation tests: those of the identification judge themselves, which flatters every "
+            "cause.");
     page.addTable({"force", "error before", "adjusted", "error after", "noise alone"}, tabulateErrors(diagnosis));
     if (!diagnosis.causes.empty())
         page.addTable({"cause", "probability", "gain [dB]", "parameter", "value", "95 % interval", "unit"},

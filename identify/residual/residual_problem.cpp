@@ -11,6 +11,7 @@
 namespace wems::identify {
 namespace {
 
+// With these steps and looks 138 of 140 drawn component tests are right (VALIDATION.md); other values were not tried.
 constexpr int kMostMarquardtSteps = 15;  // of Levenberg and Marquardt
 constexpr double kSettled = 0.05;        // log evidence that a further step would still change
 constexpr double kLooks[] = {-1, -0.5, -0.2, -0.05, 0.05, 0.2, 0.5, 1};  // of a direction's reach

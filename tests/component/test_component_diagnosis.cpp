@@ -1,8 +1,8 @@
 // Component tests with a hidden effect: the diagnosis sees the recordings and a believed law, everything slightly
 // wrong.
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <random>
 
@@ -205,16 +205,12 @@ TEST_CASE("causes hidden in component tests are found, each kind once") {
     CAPTURE(seed);
     std::mt19937 generator(seed);
     for (const auto& [cause, stops] : listCases()) {
-        const auto begin = std::chrono::steady_clock::now();
         HiddenCase drawn = drawLaws(stops, generator);
         hide(cause, drawn, generator);
         drawn.cause = cause;
         const Diagnosis diagnosis = diagnoseCase(drawn, generator);
         INFO(cause << (stops ? " with stops: " : ": ") << describe(diagnosis));
         CHECK(isRight(drawn, diagnosis));
-        std::fprintf(stderr, "%s %d %g s: %s\n", cause.c_str(), stops,
-                     std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
-                     describe(diagnosis).c_str());
     }
 }
 
