@@ -19,12 +19,12 @@ Eigen::Vector3d combine(const Eigen::Matrix3Xd& shape, const Eigen::Ref<const Ei
 }  // namespace
 
 Bracket::Bracket(std::vector<BracketMode> modes) : modes_(std::move(modes)) {
-    const auto n = static_cast<Eigen::Index>(modes_.size());
+    const Eigen::Index n = modes_.size();
     for (auto* shape : {&translation_, &rotation_, &load_, &base_}) shape->resize(3, n);
     omega_squared_.resize(n);
     two_zeta_omega_.resize(n);
     for (Eigen::Index j = 0; j < n; ++j) {
-        const BracketMode& mode = modes_[static_cast<std::size_t>(j)];
+        const BracketMode& mode = modes_[j];
         const double omega = kTwoPi * mode.frequency;
         translation_.col(j) = mode.translation;
         rotation_.col(j) = mode.rotation;

@@ -69,7 +69,7 @@ std::vector<TextRow> splitTextRows(std::string_view text) {
 double Breakpoints::calcValue(double at) const {
     if (!(at >= frequency.front() && at <= frequency.back())) return 0;
     const auto next = std::upper_bound(frequency.begin() + 1, frequency.end() - 1, at);
-    const auto i = static_cast<std::size_t>(next - frequency.begin());
+    const std::size_t i = next - frequency.begin();
     const double slope = std::log(value[i] / value[i - 1]) / std::log(frequency[i] / frequency[i - 1]);
     return value[i - 1] * std::pow(at / frequency[i - 1], slope);
 }

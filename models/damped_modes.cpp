@@ -11,7 +11,7 @@ namespace wems {
 namespace {
 
 Eigen::RowVectorXd findRow(const LinearSystem& system, const LinearBranch& branch) {
-    return system.ends[static_cast<std::size_t>(branch.connection)].row(branch.axis);
+    return system.ends[branch.connection].row(branch.axis);
 }
 
 /// The system with its branches frozen at omega.
@@ -83,7 +83,7 @@ Eigen::MatrixXd makeStateMatrix(const LinearSystem& system) {
     Eigen::MatrixXd stiffness = system.stiffness;
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * n + states, 2 * n + states);
     for (Eigen::Index s = 0; s < states; ++s) {
-        const LinearBranch& b = system.branches[static_cast<std::size_t>(s)];
+        const LinearBranch& b = system.branches[s];
         const Eigen::RowVectorXd row = findRow(system, b);
         stiffness += b.branch.stiffness * row.transpose() * row;
         A.block(n, 2 * n + s, n, 1) = mass.solve(b.branch.stiffness * row.transpose());
@@ -103,14 +103,14 @@ std::vector<DampedMode> findDampedModes(const LinearSystem& system) {
     // In normal coordinates and units of the stiffest mode's time the matrix is well scaled: x = Φ y, x' = Ω Φ y'.
     const LinearModes basis = findLinearModes(system);
     const double unit = std::max(kTwoPi * basis.frequency[n - 1], 1e-300);
-    const Eigen::Index states = static_cast<Eigen::Index>(system.branches.size());
+    const Eigen::Index states = system.branches.size();
     Eigen::MatrixXd to = Eigen::MatrixXd::Zero(2 * n + states, 2 * n + states), from = to;
     to.block(0, 0, n, n) = basis.shape;
     to.block(n, n, n, n) = unit * basis.shape;
     from.block(0, 0, n, n) = basis.shape.transpose() * system.mass;
     from.block(n, n, n, n) = from.block(0, 0, n, n) / unit;
     for (Eigen::Index s = 0; s < states; ++s) {
-        const LinearBranch& b = system.branches[static_cast<std::size_t>(s)];
+        const LinearBranch& b = system.branches[s];
         const double size = (findRow(system, b) * basis.shape).norm();
         to(2 * n + s, 2 * n + s) = size > 0 ? size : 1;
         from(2 * n + s, 2 * n + s) = 1 / to(2 * n + s, 2 * n + s);

@@ -34,7 +34,7 @@ bool isBinary(std::string_view bytes, std::uint32_t& count) {
 }
 
 Triangles readBinary(std::string_view bytes, std::size_t count) {
-    Triangles triangles(9, static_cast<Eigen::Index>(count));
+    Triangles triangles(9, count);
     constexpr std::size_t normal = 12;  // bytes, before the corners
     for (Eigen::Index k = 0; k < triangles.cols(); ++k) {
         float corners[9];
@@ -131,7 +131,7 @@ Triangles readStl(const std::string& file) {
         if (!readText(std::string(bytes.view()), numbers))
             throw InputError({file, 0, {}}, "is no STL", "an STL file, text or binary");
         checkTriangles(numbers.size() / 9, file);
-        triangles = Eigen::Map<const Triangles>(numbers.data(), 9, static_cast<Eigen::Index>(numbers.size() / 9));
+        triangles = Eigen::Map<const Triangles>(numbers.data(), 9, numbers.size() / 9);
     }
     if (!triangles.allFinite()) throw InputError({file, 0, {}}, "holds a corner that is not finite", "finite numbers");
     return triangles;

@@ -73,12 +73,12 @@ Matrix6 calcTransport(const Eigen::Vector3d& arm) {
 }
 
 GuidedMotion::GuidedMotion(const MobileBody& body) : body_(body) {
-    for (int i = 0; i < 6; ++i) (body.free[static_cast<std::size_t>(i)] ? free_ : held_).push_back(i);
+    for (int i = 0; i < 6; ++i) (body.free[i] ? free_ : held_).push_back(i);
 }
 
 Eigen::MatrixXd GuidedMotion::freeColumns(const Eigen::MatrixXd& matrix) const {
-    Eigen::MatrixXd columns(matrix.rows(), static_cast<Eigen::Index>(free_.size()));
-    for (std::size_t j = 0; j < free_.size(); ++j) columns.col(static_cast<Eigen::Index>(j)) = matrix.col(free_[j]);
+    Eigen::MatrixXd columns(matrix.rows(), free_.size());
+    for (std::size_t j = 0; j < free_.size(); ++j) columns.col(j) = matrix.col(free_[j]);
     return columns;
 }
 

@@ -145,15 +145,12 @@ public:
     }
 
 private:
-    const Eigen::Vector3d& position(int connection) const {
-        return model_.connections[static_cast<std::size_t>(connection)].position;
-    }
+    const Eigen::Vector3d& position(int connection) const { return model_.connections[connection].position; }
     BodyMotion moveMobile(const Eigen::VectorXd& x) const {
         BodyMotion mobile = rest_.mobile;
         if (guide_.active()) {
             Vector6 s = calcRelativeCoordinates(mobile, moveFixed(Eigen::VectorXd::Zero(size())));
-            for (std::size_t j = 0; j < guide_.free().size(); ++j)
-                s[guide_.free()[j]] += x[static_cast<Eigen::Index>(j)];
+            for (std::size_t j = 0; j < guide_.free().size(); ++j) s[guide_.free()[j]] += x[j];
             return composeMotion(moveFixed(x), s, Vector6::Zero());
         }
         mobile.p_GM += x.head<3>();
@@ -191,7 +188,7 @@ Eigen::MatrixXd differentiate(const Function& function, Eigen::Index size) {
 LinearSystem linearizeAt(const MountModel& model, std::optional<double> omega) {
     const RestNeighbourhood rest(model, omega);
     const Eigen::Index n = rest.size();
-    const auto modes = static_cast<Eigen::Index>(model.bracket.size());
+    const Eigen::Index modes = model.bracket.size();
     const Eigen::MatrixXd T = rest.calcReduction(Eigen::VectorXd::Zero(n));
     LinearSystem system;
     system.branches = rest.branches();
@@ -227,7 +224,7 @@ LinearSystem linearizeAt(const MountModel& model, std::optional<double> omega) {
     Eigen::MatrixXd load = Eigen::MatrixXd::Zero(6 + modes, 3);
     Eigen::MatrixXd base = -mass.leftCols(3);  // inertia forces of the mobile part; of the bracket below
     for (Eigen::Index j = 0; j < modes; ++j) {
-        const BracketMode& mode = model.bracket[static_cast<std::size_t>(j)];
+        const BracketMode& mode = model.bracket[j];
         damping(6 + j, 6 + j) = 2 * mode.damping_ratio * kTwoPi * mode.frequency;
         if (!model.load_point) load.row(6 + j) = mode.load_translation.transpose();
         base.row(6 + j) = -mode.base_participation.transpose();

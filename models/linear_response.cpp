@@ -21,7 +21,7 @@ Eigen::MatrixXcd calcDynamicStiffness(const LinearSystem& system, double omega) 
     Eigen::MatrixXcd dynamic =
         (system.stiffness - omega * omega * system.mass).cast<Complex>() + Complex(0, omega) * system.damping;
     for (const LinearBranch& branch : system.branches) {
-        const Eigen::RowVectorXd row = system.ends[static_cast<std::size_t>(branch.connection)].row(branch.axis);
+        const Eigen::RowVectorXd row = system.ends[branch.connection].row(branch.axis);
         dynamic += calcBranchStiffness(branch.branch, omega) * (row.transpose() * row).cast<Complex>();
     }
     return dynamic;
@@ -34,8 +34,7 @@ LinearDynamics::LinearDynamics(const MountModel& model) : system_(linearizeExact
     if (!model.bracket.empty())
         fixed = Bracket(model.bracket).calcMotion(rest.eta, Eigen::VectorXd::Zero(rest.eta.size()));
     for (int i = 0; i < laws.connectionCount(); ++i) {
-        const Eigen::Vector3d q =
-            calcRelativeMotion(rest.mobile, fixed, model.connections[static_cast<std::size_t>(i)].position).q;
+        const Eigen::Vector3d q = calcRelativeMotion(rest.mobile, fixed, model.connections[i].position).q;
         Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero(), damping = stiffness;
         for (int k = 0; k < 3; ++k) {
             const AxisForce& axis = laws.axis(i, k);
@@ -66,7 +65,7 @@ std::vector<ConnectionResponse> LinearDynamics::calcResponse(double frequency, c
         response.push_back(end);
     }
     for (const LinearBranch& branch : system_.branches) {
-        ConnectionResponse& end = response[static_cast<std::size_t>(branch.connection)];
+        ConnectionResponse& end = response[branch.connection];
         end.force[branch.axis] += calcBranchStiffness(branch.branch, omega) * end.relative[branch.axis];
     }
     return response;

@@ -46,13 +46,13 @@ std::optional<double> calcConnectionTolerance(const MountModel& model, const std
     const auto what = stop ? stopTolerance(target.parameter) : axisTolerance(target.parameter);
     if (!what) return std::nullopt;
     if (stop && parameter::findStop(parameter::lawOf(model, target), target.side) == nullptr) return std::nullopt;
-    const Connection& connection = model.connections[static_cast<std::size_t>(target.connection)];
-    const Tolerances& item = connection.axis_tolerances[static_cast<std::size_t>(target.index)];
+    const Connection& connection = model.connections[target.connection];
+    const Tolerances& item = connection.axis_tolerances[target.index];
     return toleranceOf(model, *what, item) * std::abs(getParameter(model, name));
 }
 
 double calcModeTolerance(const MountModel& model, const Target& target) {
-    const BracketMode& mode = model.bracket[static_cast<std::size_t>(target.index)];
+    const BracketMode& mode = model.bracket[target.index];
     if (target.parameter == "frequency")
         return toleranceOf(model, ToleranceOf::mode_frequency, mode.tolerances) * mode.frequency;
     if (target.parameter == "damping_ratio")

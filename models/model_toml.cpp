@@ -129,7 +129,7 @@ MobileBody readBody(TomlTable& table) {
             const auto found = std::find(kMotionNames.begin(), kMotionNames.end(), motion);
             if (found == kMotionNames.end())
                 table.fail("motion", "holds \"" + motion + "\"", "some of \"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"");
-            bool& free = body.free[static_cast<std::size_t>(found - kMotionNames.begin())];
+            bool& free = body.free[found - kMotionNames.begin()];
             if (free) table.fail("motion", "holds \"" + motion + "\" twice", "each motion once");
             free = true;
         }
@@ -152,7 +152,7 @@ void replaceMode(TomlTable& table, MountModel& model, std::set<long>& seen) {
         table.fail("", "replaces nothing", "frequency, damping_ratio or both, or a tolerance");
     if (frequency && !(*frequency > 0)) table.fail("frequency", "is not above 0", "a number above 0, Hz");
     if (damping_ratio && !(*damping_ratio >= 0)) table.fail("damping_ratio", "is negative", "a number from 0 on");
-    BracketMode& mode = model.bracket[static_cast<std::size_t>(index - 1)];
+    BracketMode& mode = model.bracket[index - 1];
     mode.frequency = frequency.value_or(mode.frequency);
     mode.damping_ratio = damping_ratio.value_or(mode.damping_ratio);
     mode.tolerances = tolerances;

@@ -186,7 +186,7 @@ void writeBracket(const MountModel& model, const std::string& bracket_file, Writ
         out.tolerances(mode.tolerances);
     };
     const std::vector<int>& replaced = model.replaced_modes;
-    for (const int index : replaced) writeMode(static_cast<std::size_t>(index - 1), true);
+    for (const int index : replaced) writeMode(index - 1, true);
     for (std::size_t j = 0; j < model.bracket.size(); ++j) {
         const bool written = std::find(replaced.begin(), replaced.end(), static_cast<int>(j + 1)) != replaced.end();
         if (!written && !model.bracket[j].tolerances.empty()) writeMode(j, false);

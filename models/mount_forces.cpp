@@ -83,7 +83,7 @@ Eigen::Matrix3Xd MountForces::calcConnectionForces(const BodyMotion& mobile, con
                                                    const double* z) const {
     Eigen::Matrix3Xd forces(3, connectionCount());
     for (int i = 0; i < connectionCount(); ++i) {
-        const RelativeMotion motion = calcRelativeMotion(mobile, fixed, positions_[static_cast<std::size_t>(i)]);
+        const RelativeMotion motion = calcRelativeMotion(mobile, fixed, positions_[i]);
         for (int k = 0; k < 3; ++k) {
             forces(k, i) = axis(i, k).calcForce(motion.q[k], motion.v[k], t, z ? z + stateOffset(i, k) : nullptr);
         }
@@ -94,7 +94,7 @@ Eigen::Matrix3Xd MountForces::calcConnectionForces(const BodyMotion& mobile, con
 double MountForces::calcPotential(const BodyMotion& mobile, const FrameMotion& fixed, double t, const double* z) const {
     double energy = 0;
     for (int i = 0; i < connectionCount(); ++i) {
-        const RelativeMotion motion = calcRelativeMotion(mobile, fixed, positions_[static_cast<std::size_t>(i)]);
+        const RelativeMotion motion = calcRelativeMotion(mobile, fixed, positions_[i]);
         for (int k = 0; k < 3; ++k) {
             energy += axis(i, k).calcPotential(motion.q[k], t, z ? z + stateOffset(i, k) : nullptr);
         }
@@ -106,7 +106,7 @@ double MountForces::calcDissipatedPower(const BodyMotion& mobile, const FrameMot
                                         const double* z) const {
     double power = 0;
     for (int i = 0; i < connectionCount(); ++i) {
-        const RelativeMotion motion = calcRelativeMotion(mobile, fixed, positions_[static_cast<std::size_t>(i)]);
+        const RelativeMotion motion = calcRelativeMotion(mobile, fixed, positions_[i]);
         for (int k = 0; k < 3; ++k) {
             power += axis(i, k).calcDissipatedPower(motion.q[k], motion.v[k], t, z ? z + stateOffset(i, k) : nullptr);
         }

@@ -118,7 +118,7 @@ void setStop(MountModel& model, const Target& target, const std::string& name, d
 double& modeEntry(BracketMode& mode, const std::string& parameter) {
     if (parameter == "frequency") return mode.frequency;
     if (parameter == "damping_ratio") return mode.damping_ratio;
-    const auto component = static_cast<Eigen::Index>(parameter.back() - 'x');
+    const Eigen::Index component = parameter.back() - 'x';
     if (parameter.rfind("load.", 0) == 0) return mode.load_translation[component];
     if (parameter.rfind("base.", 0) == 0) return mode.base_participation[component];
     return (parameter[0] == 'u' ? mode.translation : mode.rotation)[component];
@@ -151,7 +151,7 @@ double getParameter(const MountModel& model, const std::string& name) {
             return model.body.inertia(row, column);
         }
         case Target::Kind::mode: {
-            auto mode = model.bracket[static_cast<std::size_t>(target.index)];
+            auto mode = model.bracket[target.index];
             return modeEntry(mode, target.parameter);
         }
         case Target::Kind::load:
@@ -194,7 +194,7 @@ void setParameter(MountModel& model, const std::string& name, double value) {
             return;
         }
         case Target::Kind::mode: {
-            modeEntry(model.bracket[static_cast<std::size_t>(target.index)], target.parameter) = value;
+            modeEntry(model.bracket[target.index], target.parameter) = value;
             auto& replaced = model.replaced_modes;
             if (std::find(replaced.begin(), replaced.end(), target.index + 1) == replaced.end())
                 replaced.push_back(target.index + 1);

@@ -29,7 +29,7 @@ std::vector<std::string> split(const std::string& name);
 /// The law, and the stop of one side of it (nullptr if there is none), that a target refers to.
 template <typename Model>
 auto& lawOf(Model& model, const Target& target) {
-    return model.connections[static_cast<std::size_t>(target.connection)].axis[static_cast<std::size_t>(target.index)];
+    return model.connections[target.connection].axis[target.index];
 }
 
 template <typename Law>

@@ -91,8 +91,8 @@ RandomResponse calcRandomResponse(const LinearDynamics& dynamics, const Harmonic
     response.frequency = frequency;
     for (std::size_t k = 0; k < frequency.size(); ++k) {
         const Eigen::VectorXd square = listOutputs(dynamics.calcResponse(frequency[k], direction)).cwiseAbs2();
-        if (k == 0) response.density.resize(square.size(), static_cast<Eigen::Index>(frequency.size()));
-        response.density.col(static_cast<Eigen::Index>(k)) = spectrum.calcValue(frequency[k]) * square;
+        if (k == 0) response.density.resize(square.size(), frequency.size());
+        response.density.col(k) = spectrum.calcValue(frequency[k]) * square;
     }
     const Eigen::ArrayX2d squares = MeanSquares(dynamics, direction, spectrum).integrate();
     response.rms = squares.col(0).sqrt();

@@ -55,7 +55,7 @@ std::vector<Reversal> findReversals(const Eigen::VectorXd& q, double fraction) {
 
 Eigen::VectorXd derive(const Eigen::VectorXd& values, double interval, int half_width, int order) {
     const Eigen::Index n = values.size();
-    const Eigen::Index width = std::min<Eigen::Index>(2 * static_cast<Eigen::Index>(half_width) + 1, n);
+    const Eigen::Index width = std::min<Eigen::Index>(2 * half_width + 1, n);
     Eigen::VectorXd result(n);
     // Weights of the parabola's derivative at every place inside a window; the middle one serves nearly all samples.
     Eigen::MatrixXd basis(width, 3);
@@ -84,7 +84,7 @@ Eigen::VectorXd calcForceAlong(const AxisLaw& law, const Eigen::VectorXd& time, 
                                const Eigen::VectorXd& v) {
     const AxisForce force(law);
     const bool drags = force.shape().draggedCount() > 0;
-    std::vector<double> z(static_cast<std::size_t>(force.stateCount()), 0.0);
+    std::vector<double> z(force.stateCount(), 0.0);
     for (std::size_t b = 0; b < force.branches().size(); ++b) z[b] = q[0];
     Eigen::VectorXd result(q.size());
     std::vector<double> decay(force.branches().size(), 1.0);

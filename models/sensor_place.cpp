@@ -55,7 +55,7 @@ std::vector<SensorPlace> readSensorPlaces(const std::string& file) {
 void addColumns(const std::vector<SensorPlace>& places, ColumnMap& map) {
     for (const SensorPlace& place : places) {
         for (int axis = 0; axis < 3; ++axis) {
-            const std::string& column = place.columns.at(static_cast<std::size_t>(axis));
+            const std::string& column = place.columns.at(axis);
             if (column.empty()) continue;
             const std::string channel = place.channelName(axis);
             const bool taken = std::any_of(map.columns.begin(), map.columns.end(),

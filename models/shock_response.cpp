@@ -9,14 +9,14 @@ namespace wems {
 
 ShockResponse calcShockResponse(const Eigen::VectorXd& acceleration, double interval,
                                 const std::vector<double>& frequency, double quality) {
-    const auto count = static_cast<Eigen::Index>(frequency.size());
+    const Eigen::Index count = frequency.size();
     ShockResponse response;
     response.frequency = frequency;
     response.positive.resize(count);
     response.negative.resize(count);
     const double zeta = 1 / (2 * quality);
     for (Eigen::Index i = 0; i < count; ++i) {
-        const double f = frequency[static_cast<std::size_t>(i)];
+        const double f = frequency[i];
         const double omega = kTwoPi * f, damped = omega * std::sqrt(1 - zeta * zeta);
         const double E = std::exp(-zeta * omega * interval), K = damped * interval;
         const double C = E * std::cos(K), S = E * std::sin(K) / K;

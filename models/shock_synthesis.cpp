@@ -93,7 +93,7 @@ Deviation compareSpectra(const Breakpoints& spectrum, const std::vector<double>&
     Deviation deviation;
     for (std::size_t i = 0; i < looks.size(); ++i) {
         const double f = std::clamp(looks[i], spectrum.frequency.front(), spectrum.frequency.back());
-        const double decibels = 20 * std::log10(achieved[static_cast<Eigen::Index>(i)] / spectrum.calcValue(f));
+        const double decibels = 20 * std::log10(achieved[i] / spectrum.calcValue(f));
         deviation.least = std::min(deviation.least, decibels);
         deviation.most = std::max(deviation.most, decibels);
     }
@@ -134,7 +134,7 @@ ShockSynthesis synthesizeShock(const Breakpoints& spectrum, double quality, doub
         for (std::size_t m = 0; m < wavelets.size(); ++m) {
             const double f = std::min(own[m], highest);
             // Half of what is lacking: neighbours change with it.
-            wavelets[m].amplitude *= std::sqrt(spectrum.calcValue(f) / achieved[static_cast<Eigen::Index>(m)]);
+            wavelets[m].amplitude *= std::sqrt(spectrum.calcValue(f) / achieved[m]);
         }
     }
     if (!(smallest <= kAllowed))

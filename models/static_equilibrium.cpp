@@ -35,8 +35,7 @@ public:
         if (guide_.active()) {
             Vector6 s = calcRelativeCoordinates(pose.mobile, fixedMotion(pose));
             for (const int i : guide_.held()) s[i] = 0;
-            for (std::size_t j = 0; j < guide_.free().size(); ++j)
-                s[guide_.free()[j]] += step[static_cast<Eigen::Index>(j)];
+            for (std::size_t j = 0; j < guide_.free().size(); ++j) s[guide_.free()[j]] += step[j];
             moved.eta += step.tail(zero_modes_.size());
             moved.mobile = composeMotion(fixedMotion(moved), s, Vector6::Zero());
             return moved;
@@ -58,7 +57,7 @@ public:
         residual.head<3>() = weight;
         residual.segment<3>(3) = (pose.mobile.R_GM * model_.body.center_of_gravity).cross(weight);
         for (int i = 0; i < forces_.connectionCount(); ++i) {
-            const Eigen::Vector3d& position = model_.connections[static_cast<std::size_t>(i)].position;
+            const Eigen::Vector3d& position = model_.connections[i].position;
             const Eigen::Vector3d q = calcRelativeMotion(pose.mobile, fixed, position).q;
             Eigen::Vector3d f_F;
             for (int k = 0; k < 3; ++k) f_F[k] = forces_.axis(i, k).calcStaticForce(q[k]);
@@ -93,10 +92,10 @@ public:
         Eigen::VectorXd states = Eigen::VectorXd::Zero(forces_.stateCount());
         const FrameMotion fixed = fixedMotion(pose);
         for (int i = 0; i < forces_.connectionCount(); ++i) {
-            const Eigen::Vector3d& position = model_.connections[static_cast<std::size_t>(i)].position;
+            const Eigen::Vector3d& position = model_.connections[i].position;
             const Eigen::Vector3d q = calcRelativeMotion(pose.mobile, fixed, position).q;
             for (int k = 0; k < 3; ++k) {
-                const auto branches = static_cast<Eigen::Index>(forces_.axis(i, k).branches().size());
+                const Eigen::Index branches = forces_.axis(i, k).branches().size();
                 states.segment(forces_.stateOffset(i, k), branches).setConstant(q[k]);
             }
         }

@@ -6,8 +6,8 @@
 namespace wems {
 
 std::string nameStop(const MountModel& model, const StopMargin& margin) {
-    const Connection& connection = model.connections[static_cast<std::size_t>(margin.connection)];
-    const Stop& stop = connection.axis[static_cast<std::size_t>(margin.axis)].stops[margin.stop];
+    const Connection& connection = model.connections[margin.connection];
+    const Stop& stop = connection.axis[margin.axis].stops[margin.stop];
     return connection.name + "." + "xyz"[margin.axis] + (stop.side == Side::positive ? ".+" : ".-");
 }
 
@@ -24,12 +24,12 @@ StaticSag findStaticSag(const MountModel& model) {
     sag.relative.resize(3, laws.connectionCount());
     sag.force.resize(3, laws.connectionCount());
     for (int i = 0; i < laws.connectionCount(); ++i) {
-        const Connection& connection = model.connections[static_cast<std::size_t>(i)];
+        const Connection& connection = model.connections[i];
         sag.relative.col(i) = calcRelativeMotion(rest.mobile, fixed, connection.position).q;
         for (int k = 0; k < 3; ++k) {
             const double q = sag.relative(k, i);
             sag.force(k, i) = laws.axis(i, k).calcStaticForce(q);
-            const AxisLaw& law = connection.axis[static_cast<std::size_t>(k)];
+            const AxisLaw& law = connection.axis[k];
             for (std::size_t s = 0; s < law.stops.size(); ++s) {
                 const double direction = law.stops[s].side == Side::positive ? 1 : -1;
                 sag.stops.push_back(

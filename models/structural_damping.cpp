@@ -16,20 +16,19 @@ StructuralBranches calcBranches() {
     const double middle = std::sqrt(band.lower * band.upper);
     StructuralBranches result{};
     for (int j = 0; j < 3; ++j) {
-        result.branch[static_cast<std::size_t>(j)].time_constant =
-            1 / (kTwoPi * middle * std::pow(corner_ratio, j - 1));
+        result.branch[j].time_constant = 1 / (kTwoPi * middle * std::pow(corner_ratio, j - 1));
     }
     Eigen::Matrix<double, fit_points, 3> loss;
     for (int i = 0; i < fit_points; ++i) {
         const double omega = kTwoPi * band.lower * std::pow(band.upper / band.lower, i / (fit_points - 1.0));
         for (int j = 0; j < 3; ++j) {
-            const double u = omega * result.branch[static_cast<std::size_t>(j)].time_constant;
+            const double u = omega * result.branch[j].time_constant;
             loss(i, j) = u / (1 + u * u);
         }
     }
     const Eigen::Vector3d stiffness = loss.colPivHouseholderQr().solve(Eigen::Matrix<double, fit_points, 1>::Ones());
     for (int j = 0; j < 3; ++j) {
-        MaxwellBranch& branch = result.branch[static_cast<std::size_t>(j)];
+        MaxwellBranch& branch = result.branch[j];
         branch.stiffness = stiffness[j];
         const double u = kTwoPi * middle * branch.time_constant;
         result.storage_in_middle += branch.stiffness * u * u / (1 + u * u);

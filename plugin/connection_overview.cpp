@@ -64,9 +64,9 @@ ConnectionOverview::ConnectionOverview(const MountModel& model, std::size_t samp
 void ConnectionOverview::add(double time, const DeviceMotion& motion) {
     for (std::size_t i = 0; i < axes_.size(); ++i) {
         const auto connection = i / 3;
-        const auto axis = static_cast<Eigen::Index>(i % 3);
+        const Eigen::Index axis = i % 3;
         const double q = motion.relative[connection].q[axis];
-        const double f = motion.force(axis, static_cast<Eigen::Index>(connection));
+        const double f = motion.force(axis, connection);
         row_[i] = q;
         row_[axes_.size() + i] = f;
         AxisExtremes& extremes = axes_[i];

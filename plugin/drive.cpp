@@ -50,7 +50,7 @@ using Axes = std::array<std::optional<CubicSpline>, 3>;
 Eigen::Vector3d evaluate(const Axes& axes, double t) {
     Eigen::Vector3d value = Eigen::Vector3d::Zero();
     for (int i = 0; i < 3; ++i)
-        if (const auto& axis = axes[static_cast<std::size_t>(i)]) value[i] = axis->calcValue(t);
+        if (const auto& axis = axes[i]) value[i] = axis->calcValue(t);
     return value;
 }
 
@@ -65,7 +65,7 @@ public:
             const auto name = parseChannelName(channel.name);
             if (!name || (name->part != Part::load && name->part != Part::base)) continue;
             auto& axes = name->part == Part::load ? load_ : base_;
-            axes[static_cast<std::size_t>(name->axis)].emplace(time_, channel.values);
+            axes[name->axis].emplace(time_, channel.values);
             double power = 0;
             for (const double value : channel.values) power += value * value;
             // Loads and accelerations do not compare; with both, the load sweeps.
@@ -87,7 +87,7 @@ public:
         if (crossings_.empty()) return std::numeric_limits<double>::quiet_NaN();
         const auto next = std::upper_bound(crossings_.begin(), crossings_.end(), t);
         if (next == crossings_.begin()) return frequencies_.front();
-        const auto i = static_cast<std::size_t>(next - crossings_.begin());
+        const std::size_t i = next - crossings_.begin();
         if (i >= crossings_.size()) return frequencies_.back();
         const double fraction = (t - crossings_[i - 1]) / (crossings_[i] - crossings_[i - 1]);
         return frequencies_[i - 1] + fraction * (frequencies_[i] - frequencies_[i - 1]);

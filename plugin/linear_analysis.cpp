@@ -55,8 +55,8 @@ LinearAnalysis analyseLinearly(const MountModel& model, const LinearQuestion& qu
         transfer.frequency = makeGrid(question.band->first, question.band->second, analysis.modes);
         for (std::size_t k = 0; k < transfer.frequency.size(); ++k) {
             const Eigen::VectorXcd outputs = listOutputs(dynamics.calcResponse(transfer.frequency[k], input));
-            if (k == 0) transfer.response.resize(outputs.size(), static_cast<Eigen::Index>(transfer.frequency.size()));
-            transfer.response.col(static_cast<Eigen::Index>(k)) = outputs;
+            if (k == 0) transfer.response.resize(outputs.size(), transfer.frequency.size());
+            transfer.response.col(k) = outputs;
         }
         analysis.transfer = std::move(transfer);
     }

@@ -27,7 +27,7 @@ nlohmann::json makeStaticJson(const LinearAnalysis& analysis) {
     const StaticSag& sag = analysis.sag;
     auto connections = nlohmann::json::array(), stops = nlohmann::json::array();
     for (Eigen::Index i = 0; i < sag.relative.cols(); ++i)
-        connections.push_back({{"name", analysis.model.connections[static_cast<std::size_t>(i)].name},
+        connections.push_back({{"name", analysis.model.connections[i].name},
                                {"displacement", makeAxes(sag.relative.col(i))},
                                {"force", makeAxes(sag.force.col(i))}});
     for (const StopMargin& stop : sag.stops)
@@ -80,9 +80,9 @@ std::string formatRandom(const LinearAnalysis& analysis, TextStyle style) {
     constexpr double g = 9.80665;
     Table table({"random response", "RMS", "3 x RMS", "unit", "rate [Hz]"});
     for (std::size_t i = 0; i < names.size(); ++i) {
-        const double rms = random.rms[static_cast<Eigen::Index>(i)];
+        const double rms = random.rms[i];
         // Across the input there is often nothing.
-        Eigen::Index group = static_cast<Eigen::Index>(i - i % 3);
+        Eigen::Index group = i - i % 3;
         if (rms <= 1e-6 * random.rms.segment<3>(group).maxCoeff()) continue;
         const bool length = names[i].unit == "m", acceleration = names[i].unit == "m/s^2";
         const double factor = length ? 1e3 : acceleration ? 1 / g : 1;
@@ -90,7 +90,7 @@ std::string formatRandom(const LinearAnalysis& analysis, TextStyle style) {
                       length         ? "mm"
                       : acceleration ? "g"
                                      : "N",
-                      formatNumber(random.rate[static_cast<Eigen::Index>(i)], 4)});
+                      formatNumber(random.rate[i], 4)});
     }
     std::string text = "\n" + analysis.random_input + "\n" + table.format(style);
     Table stops({"stop", "left at rest [mm]", "in RMS"});
@@ -153,7 +153,7 @@ nlohmann::json makeAnalysisJson(const LinearAnalysis& analysis) {
         const TransferFunctions& transfer = *analysis.transfer;
         auto outputs = nlohmann::json::array();
         for (std::size_t i = 0; i < names.size(); ++i) {
-            nlohmann::json entry = listParts(transfer.response.row(static_cast<Eigen::Index>(i)).transpose());
+            nlohmann::json entry = listParts(transfer.response.row(i).transpose());
             entry["name"] = names[i].name;
             entry["unit"] = "(" + names[i].unit + ")/(" + transfer.input_unit + ")";
             outputs.push_back(entry);
@@ -164,7 +164,7 @@ nlohmann::json makeAnalysisJson(const LinearAnalysis& analysis) {
         const RandomResponse& random = *analysis.random;
         auto outputs = nlohmann::json::array();
         for (std::size_t i = 0; i < names.size(); ++i) {
-            const auto row = static_cast<Eigen::Index>(i);
+            const Eigen::Index row = i;
             const Eigen::VectorXd density = random.density.row(row).transpose();
             outputs.push_back({{"name", names[i].name},
                                {"unit", names[i].unit},
@@ -194,7 +194,7 @@ std::string formatAnalysisCsv(const LinearAnalysis& analysis) {
     text += "\n";
     const std::vector<double>& frequency = transfer ? analysis.transfer->frequency : analysis.random->frequency;
     for (std::size_t k = 0; k < frequency.size(); ++k) {
-        const auto column = static_cast<Eigen::Index>(k);
+        const Eigen::Index column = k;
         text += formatNumber(frequency[k]);
         for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(names.size()); ++i) {
             if (transfer) {

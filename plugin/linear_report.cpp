@@ -17,8 +17,7 @@ constexpr Eigen::Index kFrames = 48;  // of one period
 double findAmplitude(const LinearAnalysis& analysis, const DampedMode& mode) {
     double amplitude = 1e300;
     for (const StopMargin& stop : analysis.sag.stops) {
-        const double share = std::abs(
-            (analysis.system.ends[static_cast<std::size_t>(stop.connection)].row(stop.axis) * mode.shape).value());
+        const double share = std::abs((analysis.system.ends[stop.connection].row(stop.axis) * mode.shape).value());
         if (share > 1e-3 && stop.left > 0) amplitude = std::min(amplitude, stop.left / share);
     }
     return amplitude < 1e300 ? amplitude : 1e-3;
@@ -31,9 +30,9 @@ SceneRun makeModeRun(const LinearAnalysis& analysis, std::size_t number) {
     run.stations = {{mode.frequency, 0, 1 / (mode.frequency * kFrames), 0, kFrames}};
     run.mobile.resize(6, kFrames);
     run.fixed = Eigen::MatrixXd::Zero(6, kFrames);
-    const auto connections = static_cast<Eigen::Index>(analysis.model.connections.size());
+    const Eigen::Index connections = analysis.model.connections.size();
     run.force = Eigen::MatrixXd::Zero(3 * connections, kFrames);
-    run.closed = Eigen::MatrixXi::Zero(static_cast<Eigen::Index>(analysis.sag.stops.size()), kFrames);
+    run.closed = Eigen::MatrixXi::Zero(analysis.sag.stops.size(), kFrames);
     const double amplitude = findAmplitude(analysis, mode);
     for (Eigen::Index frame = 0; frame < kFrames; ++frame) {
         const double angle = kTwoPi * static_cast<double>(frame) / kFrames;
@@ -72,7 +71,7 @@ std::vector<Plot> plotOutputs(const LinearAnalysis& analysis, const std::vector<
                 Series series{analysis.model.connections[i].name, frequency, {}};
                 const Eigen::Index row = kOutputsPerConnection * static_cast<Eigen::Index>(i) + group.row + axis;
                 for (std::size_t k = 0; k < frequency.size(); ++k) {
-                    series.y.push_back(value(row, static_cast<Eigen::Index>(k), group.factor));
+                    series.y.push_back(value(row, k, group.factor));
                     largest = std::max(largest, series.y.back());
                 }
                 plot.series.push_back(std::move(series));

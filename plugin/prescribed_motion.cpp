@@ -24,7 +24,7 @@ namespace {
 std::optional<Eigen::VectorXd> findChannel(const Recording& recording, const ChannelName& name) {
     const Channel* channel = recording.find(formatChannelName(name));
     if (channel == nullptr) return std::nullopt;
-    return Eigen::Map<const Eigen::VectorXd>(channel->values.data(), static_cast<Eigen::Index>(channel->values.size()));
+    return Eigen::Map<const Eigen::VectorXd>(channel->values.data(), channel->values.size());
 }
 
 /// Recorded as such, or as mobile end minus fixed end; a fixed part without channels stands still.
@@ -72,7 +72,7 @@ PrescribedRun followMotion(const MountModel& model, const Recording& motion) {
     PrescribedRun run;
     run.recording.time = motion.time;
     const auto names = listConnections(motion);
-    const Eigen::Map<const Eigen::VectorXd> time(motion.time.data(), static_cast<Eigen::Index>(motion.time.size()));
+    const Eigen::Map<const Eigen::VectorXd> time(motion.time.data(), motion.time.size());
     for (const std::string& name : names) {
         const Connection* connection = findConnection(model, name, names.size() == 1);
         if (connection == nullptr) continue;
@@ -81,7 +81,7 @@ PrescribedRun followMotion(const MountModel& model, const Recording& motion) {
             if (!q) continue;
             auto v = findRelative(motion, name, axis, Derivative::velocity);
             if (!v) v = derive(*q, motion.sampleInterval(), chooseHalfWidth(*q), 1);
-            const AxisLaw& law = connection->axis[static_cast<std::size_t>(axis)];
+            const AxisLaw& law = connection->axis[axis];
             const Eigen::VectorXd f = calcForceAlong(law, time, *q, *v);
             addChannel({Part::relative, name, axis, Derivative::displacement}, "m", *q, run.recording);
             addChannel({Part::force, name, axis, Derivative::force}, "N", f, run.recording);

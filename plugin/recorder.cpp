@@ -80,8 +80,7 @@ Recorder::Recorder(const Device& device, std::vector<SensorChannel> channels, Sa
         cursors_.push_back({delay});
     }
     for (const SensorChannel& channel : channels_) {
-        delay_of_channel_.push_back(
-            static_cast<std::size_t>(std::distance(delays.begin(), delays.find(channel.delay))));
+        delay_of_channel_.push_back(std::distance(delays.begin(), delays.find(channel.delay)));
         connection_of_channel_.push_back(
             channel.name.connection.empty()
                 ? 0
@@ -91,8 +90,7 @@ Recorder::Recorder(const Device& device, std::vector<SensorChannel> channels, Sa
     for (int i = 0; i < static_cast<int>(device.model().connections.size()); ++i) {
         for (int axis = 0; axis < 3; ++axis) {
             largest_.push_back({i, axis, 0, 0});
-            const AxisLaw& law =
-                device.model().connections[static_cast<std::size_t>(i)].axis[static_cast<std::size_t>(axis)];
+            const AxisLaw& law = device.model().connections[i].axis[axis];
             for (std::size_t stop = 0; stop < law.stops.size(); ++stop) {
                 StopContact contact;
                 contact.connection = i;
@@ -172,15 +170,15 @@ void Recorder::handOn(std::size_t rows) {
 void Recorder::watchStops(const DeviceMotion& motion, double time) {
     if (observer_) observer_(time, motion);
     for (LargestDisplacement& largest : largest_) {
-        const double q = motion.relative[static_cast<std::size_t>(largest.connection)].q[largest.axis];
+        const double q = motion.relative[largest.connection].q[largest.axis];
         if (std::abs(q) > std::abs(largest.value)) {
             largest.value = q;
             largest.time = time;
         }
     }
     for (StopContact& contact : contacts_) {
-        const auto connection = static_cast<std::size_t>(contact.connection);
-        const AxisLaw& law = device_.model().connections[connection].axis[static_cast<std::size_t>(contact.axis)];
+        const std::size_t connection = contact.connection;
+        const AxisLaw& law = device_.model().connections[connection].axis[contact.axis];
         const Stop& stop = law.stops[contact.stop];
         const double q = motion.relative[connection].q[contact.axis] + law.offset;
         const double penetration = (stop.side == Side::positive ? q : -q) - stop.clearance;

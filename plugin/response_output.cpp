@@ -56,7 +56,7 @@ std::string describeDetached(const ResponseCurve& curve, const std::vector<std::
         const Eigen::Index axis = findLargest(other, peak);
         text += "  detached: " + listStretches(other, [](const ResponsePoint&) { return std::string("-"); }) +
                 ", largest amplitude " + formatNumber(1e3 * other.points[peak].amplitude[axis], 4) + " mm at " +
-                axes[static_cast<std::size_t>(axis)] + "; unstable: " + describeInstability(other) + "\n";
+                axes[axis] + "; unstable: " + describeInstability(other) + "\n";
         if (!other.incomplete.empty()) text += "note: " + other.incomplete + "\n";
     }
     return text;
@@ -77,9 +77,8 @@ std::string formatResponses(const MountModel& model, const std::vector<LevelResp
         std::size_t peak = 0;
         const Eigen::Index axis = findLargest(curve, peak);
         text += level.level + ": largest amplitude " + formatNumber(1e3 * curve.points[peak].amplitude[axis], 4) +
-                " mm at " + axes[static_cast<std::size_t>(axis)] + ", " +
-                formatNumber(curve.points[peak].frequency, 4) + " Hz; " + std::to_string(curve.points.size()) +
-                " points, " + formatNumber(curve.seconds, 2) + " s\n";
+                " mm at " + axes[axis] + ", " + formatNumber(curve.points[peak].frequency, 4) + " Hz; " +
+                std::to_string(curve.points.size()) + " points, " + formatNumber(curve.seconds, 2) + " s\n";
         std::string folds;
         for (const ResponseFold& fold : curve.folds)
             folds += (folds.empty() ? "" : ", ") + formatNumber(fold.frequency, 5);

@@ -48,7 +48,7 @@ void writeResponseReport(const MountModel& model, const std::vector<LevelRespons
     HtmlReport page("Periodic response of " + model.name);
     Table table(
         {"level", "folds [Hz]", "detached curves [Hz]", "unstable points", "stops touched", "points", "time [s]"});
-    Eigen::VectorXd largest = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(axes.size()));
+    Eigen::VectorXd largest = Eigen::VectorXd::Zero(axes.size());
     std::size_t folded = 0, apart = 0;
     for (const LevelResponse& level : levels) {
         std::string folds;
@@ -94,11 +94,11 @@ void writeResponseReport(const MountModel& model, const std::vector<LevelRespons
     for (Eigen::Index axis = 0; axis < largest.size(); ++axis) {
         if (largest[axis] < worth_drawing * largest.maxCoeff()) continue;
         Plot branches, contact;
-        branches.title = "Relative displacement " + axes[static_cast<std::size_t>(axis)];
+        branches.title = "Relative displacement " + axes[axis];
         contact.title = branches.title + ", where it touches a stop";
         std::vector<std::size_t> own;  // stops of this axis
         for (std::size_t s = 0; s < stops.size(); ++s)
-            if (stops[s].rfind(axes[static_cast<std::size_t>(axis)] + ".", 0) == 0) own.push_back(s);
+            if (stops[s].rfind(axes[axis] + ".", 0) == 0) own.push_back(s);
         const auto touching = [&](const ResponsePoint& point) {
             return std::any_of(own.begin(), own.end(), [&](std::size_t s) { return point.penetration[s] > 0; });
         };

@@ -13,18 +13,17 @@ SceneRecorder::SceneRecorder(const MountModel& model, const Drive& drive, const 
                              std::vector<DrawnShape> drawing)
     : model_(model), drawing_(std::move(drawing)) {
     const auto count = static_cast<Eigen::Index>(times.size());
-    const auto timeOf = [&](Eigen::Index k) { return times[static_cast<std::size_t>(k)]; };
+    const auto timeOf = [&](Eigen::Index k) { return times[k]; };
     const double interval = count > 1 ? times.back() / static_cast<double>(count - 1) : 1;
     std::vector<Eigen::Index> samples;
     run_.stations = placeStations(
         count, interval, std::min(kStations, count), timeOf,
         [&](Eigen::Index k) { return drive.calcFrequency(timeOf(k)); }, samples);
-    for (std::size_t frame = 0; frame < samples.size(); ++frame)
-        wanted_.emplace_back(samples[frame], static_cast<Eigen::Index>(frame));
+    for (std::size_t frame = 0; frame < samples.size(); ++frame) wanted_.emplace_back(samples[frame], frame);
     std::sort(wanted_.begin(), wanted_.end());
-    const auto frames = static_cast<Eigen::Index>(samples.size());
+    const Eigen::Index frames = samples.size();
     run_.mobile = run_.fixed = Eigen::MatrixXd::Zero(6, frames);
-    run_.force = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(model.connections.size()), frames);
+    run_.force = Eigen::MatrixXd::Zero(3 * model.connections.size(), frames);
     run_.closed = Eigen::MatrixXi::Zero(findClosedStops(model, run_.force.col(0)).size(), frames);
 }
 
@@ -35,8 +34,7 @@ void SceneRecorder::add(const DeviceMotion& motion) {
         run_.fixed.col(frame) = motion.fixed_pose;
         run_.force.col(frame) = -motion.force.reshaped();
         Eigen::VectorXd q(run_.force.rows());
-        for (std::size_t i = 0; i < motion.relative.size(); ++i)
-            q.segment<3>(3 * static_cast<Eigen::Index>(i)) = motion.relative[i].q;
+        for (std::size_t i = 0; i < motion.relative.size(); ++i) q.segment<3>(3 * i) = motion.relative[i].q;
         run_.closed.col(frame) = findClosedStops(model_, q);
     }
     ++sample_;

@@ -72,7 +72,7 @@ std::string noteContacts(const MountModel& model, const std::vector<StopContact>
             }
     if (shortest == nullptr || times.size() < 2) return {};
     const double rate = static_cast<double>(times.size() - 1) / times.back();
-    const Connection& connection = model.connections[static_cast<std::size_t>(shortest->connection)];
+    const Connection& connection = model.connections[shortest->connection];
     return "stop " + connection.name + "." + "xyz"[shortest->axis] + " is touched for " + formatNumber(least, 2) +
            " samples at a time on average, too few to show its force; --sample-rate " +
            formatNumber(std::ceil(2 * fewest / least) * rate, 3) + " would show it";

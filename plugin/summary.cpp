@@ -21,13 +21,11 @@ std::string formatFixed(double value, int decimals) {
 }
 
 std::string nameAxis(const MountModel& model, int connection, int axis) {
-    return model.connections[static_cast<std::size_t>(connection)].name + "." + "xyz"[axis];
+    return model.connections[connection].name + "." + "xyz"[axis];
 }
 
 const Stop& findStop(const MountModel& model, const StopContact& contact) {
-    return model.connections[static_cast<std::size_t>(contact.connection)]
-        .axis[static_cast<std::size_t>(contact.axis)]
-        .stops[contact.stop];
+    return model.connections[contact.connection].axis[contact.axis].stops[contact.stop];
 }
 
 std::string nameStop(const MountModel& model, const StopContact& contact) {

@@ -46,10 +46,9 @@ public:
 
 private:
     int row(const std::string& name) const { return findUnknown(table_, name); }
-    const Unknown& at(int index) const { return table_[static_cast<std::size_t>(index)]; }
+    const Unknown& at(int index) const { return table_[index]; }
     std::string placeOf(int connection, int axis) const {
-        return model_.connections[static_cast<std::size_t>(connection)].name + "." +
-               kAxes[static_cast<std::size_t>(axis)];
+        return model_.connections[connection].name + "." + kAxes[axis];
     }
 
     Hypothesis& add(const std::string& cause, std::vector<std::string> where) {
@@ -105,7 +104,7 @@ private:
     void addNumber(const std::string& cause, const std::string& key, bool needs_value) {
         const auto indexOf = [&](int i, int a) {
             const int index = row(placeOf(i, a) + "." + key);
-            const auto& law = model_.connections[static_cast<std::size_t>(i)].axis[static_cast<std::size_t>(a)];
+            const auto& law = model_.connections[i].axis[a];
             return index >= 0 && needs_value && law.stiffness == 0 ? -1 : index;
         };
         for (int i = 0; i < static_cast<int>(model_.connections.size()); ++i)
@@ -180,9 +179,7 @@ private:
         });
     }
 
-    const AxisLaw& lawOf(int i, int a) const {
-        return model_.connections[static_cast<std::size_t>(i)].axis[static_cast<std::size_t>(a)];
-    }
+    const AxisLaw& lawOf(int i, int a) const { return model_.connections[i].axis[a]; }
 
     void addRelaxation(double tau) {
         addShaped("relaxation", "stiffness_ratio", "time_constant",
@@ -210,8 +207,7 @@ private:
         std::vector<StopRow> stops;
         for (int i = 0; i < static_cast<int>(model_.connections.size()); ++i)
             for (int a = 0; a < 3; ++a)
-                for (const Stop& stop :
-                     model_.connections[static_cast<std::size_t>(i)].axis[static_cast<std::size_t>(a)].stops) {
+                for (const Stop& stop : model_.connections[i].axis[a].stops) {
                     const std::string side = placeOf(i, a) + (stop.side == Side::positive ? ".+" : ".-");
                     stops.push_back({i, a, side, &stop, row(side + ".clearance"), row(side + ".stiffness")});
                 }
@@ -233,7 +229,7 @@ private:
             for (int a = 0; a < 3; ++a) {
                 addCommon("stop_stiffness", collect(&StopRow::stiffness, {{i, a}}));
                 addPair(collect(&StopRow::clearance, {{i, a}}));
-                const auto& law = model_.connections[static_cast<std::size_t>(i)].axis[static_cast<std::size_t>(a)];
+                const auto& law = model_.connections[i].axis[a];
                 const auto real = std::count_if(law.stops.begin(), law.stops.end(),
                                                 [](const Stop& stop) { return stop.stiffness > 0; });
                 if (real == 0) continue;
@@ -304,8 +300,7 @@ private:
         const auto addTriple = [&](const char* cause, const std::string& prefix) {
             std::vector<int> rows;
             for (int a = 0; a < 3; ++a)
-                if (const int index = row(prefix + kAxes[static_cast<std::size_t>(a)]); index >= 0)
-                    rows.push_back(index);
+                if (const int index = row(prefix + kAxes[a]); index >= 0) rows.push_back(index);
             if (rows.empty()) return;
             Hypothesis& all = add(cause, {"body"});
             for (const int index : rows) all.directions.push_back({{index, at(index).reach}});
@@ -369,7 +364,7 @@ private:
         for (const auto& triax : layout_.triaxes) {
             Hypothesis& hypothesis = add("sensor_misalignment", {triax.name});
             for (int a = 0; a < 3; ++a) {
-                const int index = row(triax.name + ".r" + kAxes[static_cast<std::size_t>(a)]);
+                const int index = row(triax.name + ".r" + kAxes[a]);
                 hypothesis.directions.push_back({{index, at(index).reach}});
                 hypothesis.reported.push_back(index);
             }
@@ -396,7 +391,7 @@ private:
     void shareOdds() {
         // Hats come after all probes, whose number is known only now.
         if (hat_hypothesis_ >= 0) {
-            auto& hypothesis = result_.hypotheses[static_cast<std::size_t>(hat_hypothesis_)];
+            auto& hypothesis = result_.hypotheses[hat_hypothesis_];
             const int first = static_cast<int>(table_.size() + result_.columns.probes.size());
             for (int k = 0; k < static_cast<int>(result_.columns.hats.size()); ++k)
                 hypothesis.directions.push_back({{first + k, kHatReach}});

@@ -28,7 +28,7 @@ std::vector<Eigen::Index> chooseRows(const Comparison& comparison) {
             if (size(all[i]) > 0 && std::find(chosen.begin(), chosen.end(), all[i]) == chosen.end())
                 chosen.push_back(all[i]);
     };
-    const auto channel = [&](Eigen::Index row) { return comparison.channels[static_cast<std::size_t>(row)]; };
+    const auto channel = [&](Eigen::Index row) { return comparison.channels[row]; };
     take(kMostMoving, [&](Eigen::Index row) { return channel(row).rms; });
     take(kMostErring, [&](Eigen::Index row) { return channel(row).share; });
     std::sort(chosen.begin(), chosen.end());
@@ -48,7 +48,7 @@ public:
     }
 
     void addTo(HtmlReport& page, Eigen::Index row) const {
-        const std::string& name = c_.channels[static_cast<std::size_t>(row)].name;
+        const std::string& name = c_.channels[row].name;
         page.addHeading("Measured and simulated at " + name);
         page.addPlot(sweeps() ? plotEnvelope(row, name)
                               : plotTime("Relative displacement " + name, row, 0, c_.measured.cols()));

@@ -32,12 +32,12 @@ std::vector<MotionStation> placeStations(const RunMotion& run, const Recording& 
     for (Eigen::Index s = 0; s < wanted; ++s) {
         const Eigen::Index middle = (2 * s + 1) * available / (2 * wanted);
         MotionStation station;
-        station.hertz = findHertz(recording, swept, run.time[static_cast<std::size_t>(middle)]);
+        station.hertz = findHertz(recording, swept, run.time[middle]);
         const double window = station.hertz > 0 ? periods_per_station / station.hertz : window_without_sine;
         const auto length = std::clamp<Eigen::Index>(std::lround(window / run.interval), 1, available);
         const Eigen::Index stride = std::max<Eigen::Index>(1, length / frames_per_station);
         const Eigen::Index first = std::clamp<Eigen::Index>(middle - length / 2, 0, available - length);
-        station.time = run.time[static_cast<std::size_t>(first)];
+        station.time = run.time[first];
         station.period = static_cast<double>(stride) * run.interval;
         station.from = static_cast<Eigen::Index>(samples.size());
         for (Eigen::Index k = first; k < first + length; k += stride) samples.push_back(k);
@@ -48,7 +48,7 @@ std::vector<MotionStation> placeStations(const RunMotion& run, const Recording& 
 }
 
 Eigen::MatrixXd pickPose(const PartMotion& part, const std::vector<Eigen::Index>& samples) {
-    Eigen::MatrixXd pose(6, static_cast<Eigen::Index>(samples.size()));
+    Eigen::MatrixXd pose(6, samples.size());
     Eigen::Index frame = 0;
     for (const Eigen::Index k : samples) {
         pose.col(frame).head<3>() = part.p.col(k);
@@ -74,18 +74,16 @@ SceneRun makeRun(const RunMotion& run, const Recording& recording, const MountMo
     std::vector<std::pair<Eigen::Index, const Stop*>> stops;  // column of q
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (std::size_t axis = 0; axis < 3; ++axis)
-            for (const Stop& stop : model.connections[i].axis[axis].stops)
-                stops.emplace_back(static_cast<Eigen::Index>(3 * i + axis), &stop);
-    scene.force.resize(force.cols(), static_cast<Eigen::Index>(samples.size()));
-    scene.closed.resize(static_cast<Eigen::Index>(stops.size()), scene.force.cols());
+            for (const Stop& stop : model.connections[i].axis[axis].stops) stops.emplace_back(3 * i + axis, &stop);
+    scene.force.resize(force.cols(), samples.size());
+    scene.closed.resize(stops.size(), scene.force.cols());
     for (Eigen::Index frame = 0; frame < scene.force.cols(); ++frame) {
-        const Eigen::Index k = samples[static_cast<std::size_t>(frame)];
+        const Eigen::Index k = samples[frame];
         scene.force.col(frame) = -force.row(k).transpose();
         for (std::size_t s = 0; s < stops.size(); ++s) {
             const auto [column, stop] = stops[s];
-            const AxisLaw& law =
-                model.connections[static_cast<std::size_t>(column / 3)].axis[static_cast<std::size_t>(column % 3)];
-            scene.closed(static_cast<Eigen::Index>(s), frame) = isClosed(law, *stop, relative.q(k, column)) ? 1 : 0;
+            const AxisLaw& law = model.connections[column / 3].axis[column % 3];
+            scene.closed(s, frame) = isClosed(law, *stop, relative.q(k, column)) ? 1 : 0;
         }
     }
     return scene;

@@ -15,7 +15,7 @@ std::vector<double> toVector(const Eigen::VectorXd& values) {
 /// Of one axis of a model along a test, with the constant force that the test has.
 Eigen::VectorXd calcForce(const MountModel& model, const ComponentData& test) {
     const Connection& connection = model.connections[findElement(model, test.connection)];
-    const AxisLaw& law = connection.axis.at(static_cast<std::size_t>(test.axis));
+    const AxisLaw& law = connection.axis.at(test.axis);
     Eigen::VectorXd force = calcForceAlong(law, test.time, test.q, test.velocity);
     force.array() += test.force.mean() - force.mean();
     return force;

@@ -18,7 +18,7 @@ Eigen::Matrix3Xd takeVector(const Recording& recording, const std::string& first
     for (int axis = 0; axis < 3; ++axis) {
         const Channel* channel = recording.find(first + kAxes[axis]);
         if (channel == nullptr) continue;
-        if (rows.cols() == 0) rows.setZero(3, static_cast<Eigen::Index>(recording.sampleCount()));
+        if (rows.cols() == 0) rows.setZero(3, recording.sampleCount());
         rows.row(axis) = Eigen::Map<const Eigen::RowVectorXd>(channel->values.data(), rows.cols());
     }
     return rows;

@@ -84,7 +84,7 @@ void fitDevice(const FitRequest& request, const std::vector<Recording>& recordin
 }
 
 AxisLaw& findLaw(ComponentFit& fit) {
-    return fit.fitted.connections[findElement(fit.fitted, fit.connection)].axis.at(static_cast<std::size_t>(fit.axis));
+    return fit.fitted.connections[findElement(fit.fitted, fit.connection)].axis.at(fit.axis);
 }
 
 /// The law that the tests show in place of the model's.

@@ -56,9 +56,8 @@ Recording recordAcceleration(const RunMotion& run) {
     for (int a = 0; a < 3; ++a) {
         Channel channel;
         channel.name = std::string("base.a") + "xyz"[a];
-        channel.values.assign(static_cast<std::size_t>(run.mobile.a.cols()), 0.0);
-        for (std::size_t k = 0; k < channel.values.size(); ++k)
-            channel.values[k] = run.mobile.a(a, static_cast<Eigen::Index>(k));
+        channel.values.assign(run.mobile.a.cols(), 0.0);
+        for (std::size_t k = 0; k < channel.values.size(); ++k) channel.values[k] = run.mobile.a(a, k);
         recording.channels.push_back(std::move(channel));
     }
     return recording;

@@ -43,7 +43,7 @@ std::string formatPeak(const OrderTrack& track, const OrderTracking& orders, int
     for (Eigen::Index p = 0; p < track.amplitude.cols(); ++p) {
         if (!(track.amplitude(order, p) > largest)) continue;
         largest = track.amplitude(order, p);
-        at = orders.hertz[static_cast<std::size_t>(p)];
+        at = orders.hertz[p];
     }
     return largest > 0 ? formatNumber(factor * largest, 3) + " @ " + formatNumber(at, 3) : "-";
 }
@@ -128,7 +128,7 @@ Plot plotPhase(const Inspection& inspection, const ChannelGroup& group) {
         const OrderTrack& track = inspection.orders.tracks[i];
         Series phase{track.channel, {}, {}};
         for (Eigen::Index p = 0; p < track.phase.cols(); ++p) {
-            const double hertz = inspection.orders.hertz[static_cast<std::size_t>(p)];
+            const double hertz = inspection.orders.hertz[p];
             const double now = track.amplitude(0, p) >= least_share * largest ? degrees * track.phase(0, p) : NAN;
             if (!phase.y.empty() && std::abs(now - phase.y.back()) > 180) {  // out at one end, in at the other
                 phase.x.push_back(0.5 * (hertz + phase.x.back()));

@@ -42,7 +42,7 @@ void addResponse(const RunSpectra& run, const std::string& channel, LevelCurve& 
     };
     if (output != nullptr && input != nullptr && run.highest > 1.05 * run.lowest) {
         for (Eigen::Index p = 0; p < output->amplitude.cols(); ++p)
-            add(run.orders.hertz[static_cast<std::size_t>(p)], output->amplitude(0, p) / input->amplitude(0, p));
+            add(run.orders.hertz[p], output->amplitude(0, p) / input->amplitude(0, p));
         return;
     }
     for (const ChannelTransfer& transfer : run.transfers)
@@ -87,7 +87,7 @@ std::optional<LevelOverlay> makeLevelOverlay(const std::vector<RunSpectra>& runs
         if (curve.response.empty()) return std::nullopt;
         const auto peak = std::max_element(curve.response.begin(), curve.response.end());
         curve.peak = *peak;
-        curve.peak_hertz = curve.hertz[static_cast<std::size_t>(peak - curve.response.begin())];
+        curve.peak_hertz = curve.hertz[peak - curve.response.begin()];
         addMargins(run.margins, curve);
         overlay.curves.push_back(std::move(curve));
     }

@@ -23,7 +23,7 @@ struct WrenchPart {
 constexpr WrenchPart kParts[] = {{"force", "N", "N/√Hz", 0}, {"moment", "N m", "N m/√Hz", 3}};
 
 std::vector<double> listTimes(const RunRemainder& run) {
-    std::vector<double> times(static_cast<std::size_t>(run.unexplained.cols()));
+    std::vector<double> times(run.unexplained.cols());
     for (std::size_t n = 0; n < times.size(); ++n) times[n] = run.start + static_cast<double>(n) * run.interval;
     return times;
 }
@@ -73,7 +73,7 @@ Plot plotAutocorrelation(const RunRemainder& run) {
     const Eigen::Index count = run.unexplained.cols();
     const auto overlap = static_cast<Eigen::Index>(std::ceil(run.overlap / run.interval));
     const double shown = std::max(kShownLag, kShownOverlaps * run.overlap) / run.interval;
-    const auto lags = static_cast<int>(std::min(static_cast<Eigen::Index>(shown), count / 4));
+    const auto lags = static_cast<int>(std::min(shown, static_cast<double>(count / 4)));
     Plot plot{"Autocorrelation of what is left", "lag [ms]", "correlation [-]", {}};
     std::vector<double> at(static_cast<std::size_t>(lags) + 1);
     for (std::size_t k = 0; k < at.size(); ++k) at[k] = 1e3 * static_cast<double>(k) * run.interval;

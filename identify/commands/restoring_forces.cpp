@@ -43,11 +43,11 @@ void calcForces(const OpenLoopRun& run, const MountModel& model, const Eigen::Ma
     const Eigen::MatrixXd residual = calcMountResidual(run, model);
     for (int row = 0; row < run.q.rows(); ++row) {
         const int connection = row / 3, axis = row % 3;
-        const Connection& place = model.connections[static_cast<std::size_t>(connection)];
+        const Connection& place = model.connections[connection];
         const auto direction = calcAxisDirection(model, connection, axis);
         const Eigen::Matrix<double, 6, 1> weighted = weight * direction;
         const Eigen::RowVectorXd pick = weighted.transpose() / direction.dot(weighted);
-        law.row(row) = calcAxisForce(run, place.axis[static_cast<std::size_t>(axis)], connection, axis).transpose();
+        law.row(row) = calcAxisForce(run, place.axis[axis], connection, axis).transpose();
         measured.row(row) = law.row(row) - pick * residual;
     }
 }
@@ -97,16 +97,15 @@ Series makeCurve(const std::string& name, const Eigen::VectorXd& q, const Eigen:
     const double fastest = std::max(v.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
     std::vector<std::vector<Eigen::Index>> cells(kCurveCells);
     for (Eigen::Index k = 0; k < q.size() && width > 0; ++k)
-        cells[static_cast<std::size_t>(std::clamp(static_cast<int>((q[k] - low) / width), 0, kCurveCells - 1))]
-            .push_back(k);
+        cells[std::clamp(static_cast<int>((q[k] - low) / width), 0, kCurveCells - 1)].push_back(k);
     for (std::size_t c = 0; c < cells.size(); ++c) {
         const double middle = low + (static_cast<double>(c) + 0.5) * width;
-        const auto count = static_cast<Eigen::Index>(cells[c].size());
+        const Eigen::Index count = cells[c].size();
         if (count < kFewestInCell) continue;
         Eigen::MatrixX3d design(count, 3);
         Eigen::VectorXd right(count);
         for (Eigen::Index i = 0; i < count; ++i) {
-            const Eigen::Index k = cells[c][static_cast<std::size_t>(i)];
+            const Eigen::Index k = cells[c][i];
             design.row(i) << 1, (q[k] - middle) / width, v[k] / fastest;
             right[i] = force[k];
         }

@@ -21,7 +21,7 @@ nlohmann::json makeHistory(const Rigidity& rigidity, const RigidityCheck& check)
     auto time = nlohmann::json::array(), hertz = time, values = time;
     for (const std::size_t k : decimateByShape(percent, 250)) {
         time.push_back(rigidity.time[k]);
-        hertz.push_back(numberOrNull(rigidity.swept.hertz(static_cast<Eigen::Index>(k))));
+        hertz.push_back(numberOrNull(rigidity.swept.hertz(k)));
         values.push_back(percent[k]);
     }
     return {{"time", time}, {"frequency", hertz}, {"percent", values}};
@@ -96,11 +96,11 @@ constexpr Eigen::Index kStretches = 200;
 /// The noise of ten checks over all samples would be a black band.
 Series takeLargest(const RigidityCheck& check, const std::vector<double>& x) {
     Series series{check.name, {}, {}};
-    const Eigen::Index count = std::min(check.percent.size(), static_cast<Eigen::Index>(x.size())),
+    const Eigen::Index count = std::min<Eigen::Index>(check.percent.size(), x.size()),
                        stretches = std::min(count, kStretches);
     for (Eigen::Index s = 0; s < stretches; ++s) {
         const Eigen::Index from = s * count / stretches, to = (s + 1) * count / stretches;
-        series.x.push_back(x[static_cast<std::size_t>((from + to) / 2)]);
+        series.x.push_back(x[(from + to) / 2]);
         series.y.push_back(check.percent.segment(from, to - from).cwiseAbs().maxCoeff());
     }
     return series;

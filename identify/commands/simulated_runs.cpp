@@ -90,7 +90,7 @@ Envelope calcEnvelope(const Simulated& run, const Eigen::MatrixXd& rows, const F
         const double period = hertz > 0 ? kShortestWindow / hertz : 0;
         const auto length = std::clamp<Eigen::Index>(std::lround(period / interval), count / kWindows + 1, count);
         const Eigen::Index first = std::clamp<Eigen::Index>(middle - length / 2, 0, count - length);
-        envelope.at.push_back(run.sweeps() ? hertz : run.time[static_cast<std::size_t>(middle)]);
+        envelope.at.push_back(run.sweeps() ? hertz : run.time[middle]);
         envelope.value.push_back(function(rows.middleCols(first, length)));
     }
     return envelope;
@@ -148,7 +148,7 @@ Series makePhase(const std::string& name, const OrderTracking& orders, const Ord
     };
     const double least = std::max(kLeastAmplitude * largest(order), kLeastShare * largest(0));
     for (Eigen::Index p = 0; p < track.phase.cols(); ++p) {
-        const double hertz = orders.hertz[static_cast<std::size_t>(p)];
+        const double hertz = orders.hertz[p];
         const double phase = track.amplitude(order, p) >= least ? kDegrees * track.phase(order, p) : NAN;
         if (!series.y.empty() && std::abs(phase - series.y.back()) > 180) {
             series.x.push_back(0.5 * (hertz + series.x.back()));

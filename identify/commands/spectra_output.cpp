@@ -162,7 +162,7 @@ nlohmann::json makeSpectraJson(const std::vector<RunSpectra>& runs) {
                                 {"peak", level.peak},
                                 {"peak_time", level.at},
                                 {"peak_frequency", numberOrNull(level.at_hertz)},
-                                {"density", listOf(run.spectra.density.col(static_cast<Eigen::Index>(c)))},
+                                {"density", listOf(run.spectra.density.col(c))},
                                 {"density_unit", "(" + unit + ")^2/Hz"}});
             if (level.quantity == Quantity::acceleration)
                 channels.back()["g_rms"] = findSpectrumUnit(level.quantity).factor * level.rms;

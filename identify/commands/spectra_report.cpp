@@ -105,8 +105,7 @@ void addDensities(const std::vector<RunSpectra>& runs, HtmlReport& page) {
                           "^2/Hz]",
                       true)
                 .series.push_back({nameSeries(runs, run, level.name), listCurves(run.spectra.frequency.tail(count)),
-                                   listCurves(run.spectra.density.col(static_cast<Eigen::Index>(c)).tail(count),
-                                              unit.factor * unit.factor)});
+                                   listCurves(run.spectra.density.col(c).tail(count), unit.factor * unit.factor)});
         }
     pictures.addTo(page, "Power spectral density");
 }

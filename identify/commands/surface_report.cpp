@@ -24,9 +24,7 @@ std::vector<double> scale(const Eigen::VectorXd& values, double factor) {
 }
 
 std::vector<double> scale(const std::vector<double>& values, double factor) {
-    return scale(
-        Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()))),
-        factor);
+    return scale(Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), values.size())), factor);
 }
 
 }  // namespace

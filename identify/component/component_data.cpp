@@ -14,7 +14,7 @@ namespace {
 constexpr const char* axis_names = "xyz";
 
 Eigen::VectorXd toVector(const std::vector<double>& values) {
-    return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), values.size());
 }
 
 const Channel* find(const Recording& recording, Part part, const std::string& connection, int axis,
@@ -64,7 +64,7 @@ int chooseAxis(const Recording& recording, const std::string& connection, std::o
 
 /// Samples that sit on the channel's own extreme value for three in a row or more: the sensor's range ended there.
 std::vector<bool> findClipped(const Eigen::VectorXd& values) {
-    std::vector<bool> clipped(static_cast<std::size_t>(values.size()), false);
+    std::vector<bool> clipped(values.size(), false);
     const double range = values.maxCoeff() - values.minCoeff();
     for (const double extreme : {values.maxCoeff(), values.minCoeff()}) {
         Eigen::Index run = 0;
@@ -75,7 +75,7 @@ std::vector<bool> findClipped(const Eigen::VectorXd& values) {
                 continue;
             }
             if (run >= 3) {
-                for (Eigen::Index k = i - run; k < i; ++k) clipped[static_cast<std::size_t>(k)] = true;
+                for (Eigen::Index k = i - run; k < i; ++k) clipped[k] = true;
             }
             run = 0;
         }
@@ -121,7 +121,7 @@ ComponentData extractComponent(const Recording& recording, const ComponentOption
     }
 
     Eigen::VectorXd force;
-    std::vector<bool> clipped(static_cast<std::size_t>(q->size()), false);
+    std::vector<bool> clipped(q->size(), false);
     const auto* recorded = find(recording, Part::force, data.connection, data.axis, Derivative::force);
     if (recorded && !options.mass) {
         // A force that stays at a level is what a friction element or a saturating spring does: not taken for clipping.
@@ -151,9 +151,9 @@ ComponentData extractComponent(const Recording& recording, const ComponentOption
     std::vector<Eigen::Index> kept;
     Eigen::Index dropped = 0;
     for (Eigen::Index i = 0; i < q->size(); ++i) {
-        const double t = recording.time[static_cast<std::size_t>(i)];
+        const double t = recording.time[i];
         if (t < options.from.value_or(t) || t > options.to.value_or(t)) continue;
-        if (clipped[static_cast<std::size_t>(i)]) {
+        if (clipped[i]) {
             ++dropped;
         } else {
             kept.push_back(i);
@@ -166,11 +166,11 @@ ComponentData extractComponent(const Recording& recording, const ComponentOption
                          "only " + std::to_string(kept.size()) + " samples in the window",
                          formatText("a window inside the recording's %.6g s", recording.time.front()) +
                              formatText(" to %.6g s with 20 samples or more", recording.time.back()));
-    const auto n = static_cast<Eigen::Index>(kept.size());
+    const Eigen::Index n = kept.size();
     for (auto* array : {&data.time, &data.q, &data.velocity, &data.force}) array->resize(n);
     for (Eigen::Index i = 0; i < n; ++i) {
-        const auto from = kept[static_cast<std::size_t>(i)];
-        data.time[i] = recording.time[static_cast<std::size_t>(from)];
+        const auto from = kept[i];
+        data.time[i] = recording.time[from];
         data.q[i] = (*q)[from];
         data.velocity[i] = (*velocity)[from];
         data.force[i] = force[from];

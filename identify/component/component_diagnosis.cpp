@@ -32,7 +32,7 @@ public:
                          const MountModel& model, std::size_t connection, int axis, const DiagnosisOptions& options)
         : model_(model),
           connection_(connection),
-          axis_(static_cast<std::size_t>(axis)),
+          axis_(axis),
           validated_(!judges.empty()),
           problem_(tests, judges.empty() ? tests : judges, model, connection, axis),
           options_(options) {}
@@ -55,7 +55,7 @@ public:
     }
 
 private:
-    const Hypothesis& at(int h) const { return problem_.hypotheses()[static_cast<std::size_t>(h)]; }
+    const Hypothesis& at(int h) const { return problem_.hypotheses()[h]; }
 
     GroupError errorOf(const AxisLaw& law, double delay) const {
         return {calcElementError(law, delay, problem_.tests()), calcElementError(law, delay, problem_.judges())};

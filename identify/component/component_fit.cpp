@@ -194,7 +194,7 @@ ComponentFit fitComponent(const std::vector<Recording>& recordings, const MountM
     fit.notes = data.notes;
     fit.fitted = model;
     const std::size_t connection = findElement(model, data.connection);
-    AxisLaw& law = fit.fitted.connections[connection].axis[static_cast<std::size_t>(data.axis)];
+    AxisLaw& law = fit.fitted.connections[connection].axis[data.axis];
 
     const std::string dropped = keepFittedTerms(law);
     if (!dropped.empty()) fit.notes.push_back(dropped);
@@ -204,8 +204,8 @@ ComponentFit fitComponent(const std::vector<Recording>& recordings, const MountM
     problem.q = data.q;
     problem.y = data.force;
     problem.run_starts = stack.run_starts;
-    problem.base.resize(data.count(), static_cast<Eigen::Index>(columns.size()));
-    for (std::size_t j = 0; j < columns.size(); ++j) problem.base.col(static_cast<Eigen::Index>(j)) = columns[j].values;
+    problem.base.resize(data.count(), columns.size());
+    for (std::size_t j = 0; j < columns.size(); ++j) problem.base.col(j) = columns[j].values;
     std::vector<std::size_t> reached;  // stops that the data show
     for (std::size_t i = 0; i < law.stops.size(); ++i) {
         const int side = law.stops[i].side == Side::positive ? 1 : -1;
@@ -237,15 +237,15 @@ ComponentFit fitComponent(const std::vector<Recording>& recordings, const MountM
         return true;
     };
     for (std::size_t j = 0; j < columns.size(); ++j) {
-        const auto k = static_cast<Eigen::Index>(j);
+        const Eigen::Index k = j;
         const double value = e.value[k];
         if (!add(columns[j].name, columns[j].unit, value, e.calcHalfWidth(k))) continue;
         if (columns[j].member != nullptr) law.*columns[j].member = value;
         if (columns[j].name == "friction_force") law.friction->force = value;
         if (columns[j].name == "force_offset") fit.force_offset = value;
     }
-    const auto base = static_cast<Eigen::Index>(columns.size());
-    const auto stops = static_cast<Eigen::Index>(reached.size());
+    const Eigen::Index base = columns.size();
+    const Eigen::Index stops = reached.size();
     for (std::size_t i = 0; i < law.stops.size(); ++i) {
         const std::string name = stopName(law.stops, i);
         const auto found = std::find(reached.begin(), reached.end(), i);
@@ -254,8 +254,8 @@ ComponentFit fitComponent(const std::vector<Recording>& recordings, const MountM
                 fit.not_identifiable.push_back({place + name + what, "a test that travels beyond this stop"});
             continue;
         }
-        const auto k = static_cast<Eigen::Index>(found - reached.begin());
-        const double clearance = std::abs(result.hinges[static_cast<std::size_t>(k)].position);
+        const Eigen::Index k = found - reached.begin();
+        const double clearance = std::abs(result.hinges[k].position);
         if (add(name + ".clearance", "m", clearance, e.calcHalfWidth(base + stops + k)))
             law.stops[i].clearance = clearance;
         if (add(name + ".stiffness", "N/m", e.value[base + k], e.calcHalfWidth(base + k)))

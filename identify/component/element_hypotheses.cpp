@@ -40,7 +40,7 @@ public:
 private:
     int row(const std::string& name) const { return findUnknown(table_, name); }
     int own(const std::string& key) const { return row(reach_.place + "." + key); }
-    const Unknown& at(int index) const { return table_[static_cast<std::size_t>(index)]; }
+    const Unknown& at(int index) const { return table_[index]; }
 
     Hypothesis& add(const std::string& cause, std::vector<std::string> where) {
         Hypothesis hypothesis;

@@ -87,7 +87,7 @@ ElementProblem::ElementProblem(std::vector<ComponentData> tests, std::vector<Com
     : tests_(std::move(tests)),
       judges_(std::move(judges)),
       believed_{MountModel{}, SensorErrors(SensorLayout{})},
-      axis_(static_cast<std::size_t>(axis)),
+      axis_(axis),
       place_(model.connections[connection].name + "." + "xyz"[axis]) {
     Eigen::Index count = 0;
     scales_.lowest = std::numeric_limits<double>::infinity();
@@ -151,7 +151,7 @@ void ElementProblem::addDelayRow(const MountModel& model) {
 AxisLaw ElementProblem::lawAt(const Eigen::VectorXd& values) const {
     TestState state = believed_;
     for (std::size_t i = 0; i < table_.size(); ++i) {
-        const double value = values[static_cast<Eigen::Index>(i)];
+        const double value = values[i];
         if (value != table_[i].get(state)) table_[i].set(state, value);
     }
     AxisLaw law = state.model.connections.front().axis[axis_];

@@ -15,11 +15,11 @@ double calcHinge(const Hinge& hinge, double q) {
 }
 
 Eigen::MatrixXd makeColumns(const Eigen::MatrixXd& base, const Eigen::VectorXd& q, const std::vector<Hinge>& hinges) {
-    const auto m = static_cast<Eigen::Index>(hinges.size());
+    const Eigen::Index m = hinges.size();
     Eigen::MatrixXd X(base.rows(), base.cols() + m);
     X.leftCols(base.cols()) = base;
     for (Eigen::Index j = 0; j < m; ++j) {
-        const auto& hinge = hinges[static_cast<std::size_t>(j)];
+        const auto& hinge = hinges[j];
         for (Eigen::Index i = 0; i < q.size(); ++i) X(i, base.cols() + j) = calcHinge(hinge, q[i]);
     }
     return X;
@@ -64,7 +64,7 @@ std::vector<double> makeGrid(const HingeProblem& problem, int side, bool anywher
     if (!anywhere && side > 0) low = std::max(low, 0.0);
     if (!anywhere && side < 0) high = std::min(high, 0.0);
     std::vector<double> grid;
-    grid.reserve(static_cast<std::size_t>(points));
+    grid.reserve(points);
     for (int i = 0; i < points; ++i) grid.push_back(low + (high - low) * (i + 0.5) / points);
     return grid;
 }
@@ -95,7 +95,7 @@ void searchPositions(const ProjectedCost& cost, const std::vector<std::vector<do
 Eigen::MatrixXd makeJacobian(const HingeProblem& problem, const std::vector<Hinge>& hinges,
                              const Eigen::VectorXd& slopes) {
     const Eigen::MatrixXd X = makeColumns(problem.base, problem.q, hinges);
-    const auto m = static_cast<Eigen::Index>(hinges.size());
+    const Eigen::Index m = hinges.size();
     Eigen::MatrixXd J(X.rows(), X.cols() + m);
     J.leftCols(X.cols()) = X;
     for (Eigen::Index j = 0; j < m; ++j) {
@@ -108,7 +108,7 @@ Eigen::MatrixXd makeJacobian(const HingeProblem& problem, const std::vector<Hing
 /// Gauss–Newton on the projected problem, steps halved until the cost falls.
 void refinePositions(const HingeProblem& problem, const ProjectedCost& cost, std::vector<Hinge>& hinges,
                      bool anywhere) {
-    const auto m = static_cast<Eigen::Index>(hinges.size());
+    const Eigen::Index m = hinges.size();
     const double range = problem.q.maxCoeff() - problem.q.minCoeff();
     double now = cost.calc(hinges);
     for (int iteration = 0; iteration < 40; ++iteration) {
@@ -123,7 +123,7 @@ void refinePositions(const HingeProblem& problem, const ProjectedCost& cost, std
             auto trial = hinges;
             bool allowed = true;
             for (Eigen::Index j = 0; j < m; ++j) {
-                auto& hinge = trial[static_cast<std::size_t>(j)];
+                auto& hinge = trial[j];
                 hinge.position += length * step[j];
                 allowed = allowed && (anywhere || hinge.side * hinge.position > 0);
             }
@@ -180,7 +180,7 @@ HingeFit fitHinges(const HingeProblem& problem, bool anywhere) {
     fit.hinges = best;
     const Eigen::MatrixXd X = makeColumns(problem.base, problem.q, best);
     const Eigen::VectorXd linear = X.completeOrthogonalDecomposition().solve(problem.y);
-    const auto hinge_count = static_cast<Eigen::Index>(m);
+    const Eigen::Index hinge_count = m;
     // Linearised at the solution: the sandwich of the whole parameter vector; its change vanishes there.
     const Eigen::MatrixXd J = makeJacobian(problem, best, linear.tail(hinge_count));
     fit.estimates = solveBlocks(J, problem.y - X * linear, problem.run_starts);

@@ -77,12 +77,12 @@ struct Weights {
 };
 
 Weights solveWeights(const TestStack& problem, const std::vector<WeightedPart>& columns) {
-    const auto count = static_cast<Eigen::Index>(columns.size());
+    const Eigen::Index count = columns.size();
     Eigen::MatrixXd X(problem.force.size(), count);
     Eigen::VectorXd scale(count);
     std::vector<bool> bounded;
     for (Eigen::Index j = 0; j < count; ++j) {
-        const WeightedPart& column = columns[static_cast<std::size_t>(j)];
+        const WeightedPart& column = columns[j];
         const double norm = column.values.norm();
         scale[j] = norm > 0 ? norm : 1;
         X.col(j) = column.values / scale[j];
@@ -197,9 +197,7 @@ Eigen::VectorXd searchShape(const TestStack& problem, Memory memory, std::vector
 /// @param shaped from here on columns of a searched shape, which stay together
 std::vector<WeightedPart> keepActive(const TestStack& problem, std::vector<WeightedPart> columns, std::size_t shaped,
                                      Weights& weights) {
-    const auto size = [&](std::size_t j) {
-        return std::abs(weights.value[static_cast<Eigen::Index>(j)]) * columns[j].values.norm();
-    };
+    const auto size = [&](std::size_t j) { return std::abs(weights.value[j]) * columns[j].values.norm(); };
     std::vector<std::size_t> sliders;
     std::vector<bool> kept(columns.size());
     for (std::size_t j = 0; j < columns.size(); ++j) {
@@ -255,8 +253,7 @@ void addParameters(const TestStack& problem, const std::vector<WeightedPart>& co
                    const Estimates& e, const std::string& place, LawFit& fit) {
     const auto combine = [&](const std::string& name, const std::string& unit, const auto& weightOf) {
         Eigen::VectorXd combination = Eigen::VectorXd::Zero(e.covariance.rows());
-        for (std::size_t j = 0; j < columns.size(); ++j)
-            combination[static_cast<Eigen::Index>(j)] = weightOf(columns[j].unit);
+        for (std::size_t j = 0; j < columns.size(); ++j) combination[j] = weightOf(columns[j].unit);
         if (combination.isZero()) return;
         const double value = combination.head(weights.value.size()).dot(weights.value);
         const double half = e.calcHalfWidth(combination);
@@ -272,7 +269,7 @@ void addParameters(const TestStack& problem, const std::vector<WeightedPart>& co
     combine("hysteresis_force", "N", [](const AxisLaw& law) { return law.hysteresis ? law.hysteresis->force : 0.0; });
     combine("stiffness of all branches", "N/m",
             [](const AxisLaw& law) { return law.branches.empty() ? 0.0 : law.branches[0].stiffness; });
-    const auto shaped = static_cast<Eigen::Index>(columns.size());
+    const Eigen::Index shaped = columns.size();
     if (e.covariance.rows() == shaped) return;
     const bool gap = fit.terms.memory == Memory::gap_slider;
     const auto addShape = [&](const std::string& name, const std::string& unit, double value, double scale,
@@ -312,19 +309,18 @@ LawFit fitLaw(const std::vector<ComponentData>& tests, const LawTerms& terms, co
     }
     Weights weights = solveWeights(problem, columns);
     columns = keepActive(problem, std::move(columns), shaped, weights);
-    for (std::size_t j = 1; j < columns.size(); ++j)
-        addPart(columns[j].unit, weights.value[static_cast<Eigen::Index>(j)], fit.law);
+    for (std::size_t j = 1; j < columns.size(); ++j) addPart(columns[j].unit, weights.value[j], fit.law);
     fit.force_offset = weights.value[0];
     fit.fraction = problem.spread > 0 ? std::sqrt(weights.cost) / problem.spread : 0;
 
     // Intervals of the weights that are not held at zero; of a shape by differences of the fitted force.
     const bool shape_acts =
         searched && (terms.memory == Memory::gap_slider ? !fit.law.sliders.empty() : fit.law.hysteresis.has_value());
-    const auto count = static_cast<Eigen::Index>(columns.size());
+    const Eigen::Index count = columns.size();
     Eigen::MatrixXd J(problem.force.size(), count + (shape_acts ? 2 : 0));
     Eigen::VectorXd fitted = Eigen::VectorXd::Zero(problem.force.size());
     for (Eigen::Index j = 0; j < count; ++j) {
-        J.col(j) = columns[static_cast<std::size_t>(j)].values;
+        J.col(j) = columns[j].values;
         fitted += weights.value[j] * J.col(j);
     }
     for (Eigen::Index k = 0; shape_acts && k < 2; ++k) {

@@ -10,7 +10,7 @@ namespace {
 Eigen::VectorXd solveFree(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right, const std::vector<bool>& free) {
     std::vector<Eigen::Index> places;
     for (std::size_t j = 0; j < free.size(); ++j)
-        if (free[j]) places.push_back(static_cast<Eigen::Index>(j));
+        if (free[j]) places.push_back(j);
     Eigen::MatrixXd part = gram(places, places);
     // Columns that are alike share their coefficient.
     part.diagonal().array() += 1e-10 * std::max(1e-300, part.diagonal().maxCoeff());
@@ -25,7 +25,7 @@ Eigen::VectorXd solveFree(const Eigen::MatrixXd& gram, const Eigen::VectorXd& ri
 
 Eigen::VectorXd solveNonNegative(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right,
                                  const std::vector<bool>& bounded) {
-    const auto count = static_cast<std::size_t>(right.size());
+    const std::size_t count = right.size();
     std::vector<bool> free(count);
     for (std::size_t j = 0; j < count; ++j) free[j] = !bounded[j];
     Eigen::VectorXd value = solveFree(gram, right, free);
@@ -35,25 +35,25 @@ Eigen::VectorXd solveNonNegative(const Eigen::MatrixXd& gram, const Eigen::Vecto
         std::ptrdiff_t best = -1;
         double steepest = rounding;
         for (std::size_t j = 0; j < count; ++j) {
-            const double slope = gradient[static_cast<Eigen::Index>(j)];
+            const double slope = gradient[j];
             if (free[j] || slope <= steepest) continue;
             steepest = slope;
             best = static_cast<std::ptrdiff_t>(j);
         }
         if (best < 0) break;
-        free[static_cast<std::size_t>(best)] = true;
+        free[best] = true;
         for (std::size_t inner = 0; inner <= count; ++inner) {
             const Eigen::VectorXd trial = solveFree(gram, right, free);
             // As far towards it as no coefficient becomes negative; those that reach zero are held there.
             double part = 1;
             for (std::size_t j = 0; j < count; ++j) {
-                const auto k = static_cast<Eigen::Index>(j);
+                const Eigen::Index k = j;
                 if (free[j] && bounded[j] && trial[k] <= 0) part = std::min(part, value[k] / (value[k] - trial[k]));
             }
             value += part * (trial - value);
             if (part >= 1) break;
             for (std::size_t j = 0; j < count; ++j) {
-                const auto k = static_cast<Eigen::Index>(j);
+                const Eigen::Index k = j;
                 if (free[j] && bounded[j] && trial[k] <= 0 && value[k] <= 1e-14 * (1 + value.cwiseAbs().maxCoeff())) {
                     value[k] = 0;
                     free[j] = false;

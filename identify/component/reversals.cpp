@@ -63,9 +63,9 @@ Eigen::VectorXd calcTravel(const Eigen::VectorXd& q, double fraction) {
 }
 
 std::vector<bool> findFullStrokes(const Eigen::VectorXd& q) {
-    std::vector<bool> full(static_cast<std::size_t>(q.size()), false);
+    std::vector<bool> full(q.size(), false);
     for (const auto& stroke : findStrokes(q))
-        for (Eigen::Index i = stroke.begin; i <= stroke.end; ++i) full[static_cast<std::size_t>(i)] = true;
+        for (Eigen::Index i = stroke.begin; i <= stroke.end; ++i) full[i] = true;
     return full;
 }
 

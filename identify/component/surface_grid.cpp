@@ -32,13 +32,12 @@ SurfaceSlice slice(const Eigen::VectorXd& along, const Eigen::VectorXd& across, 
     SurfaceSlice result;
     result.half_width = 0.1 * across.cwiseAbs().maxCoeff();
     const Eigen::VectorXd edges = makeEdges(along, cells);
-    std::vector<std::vector<double>> bins(static_cast<std::size_t>(cells));
+    std::vector<std::vector<double>> bins(cells);
     for (Eigen::Index i = 0; i < along.size(); ++i)
-        if (std::abs(across[i]) <= result.half_width)
-            bins[static_cast<std::size_t>(findCell(edges, along[i]))].push_back(force[i]);
+        if (std::abs(across[i]) <= result.half_width) bins[findCell(edges, along[i])].push_back(force[i]);
     for (std::size_t c = 0; c < bins.size(); ++c) {
         if (bins[c].empty()) continue;
-        const auto k = static_cast<Eigen::Index>(c);
+        const Eigen::Index k = c;
         result.at.push_back(0.5 * (edges[k] + edges[k + 1]));
         result.count.push_back(static_cast<long>(bins[c].size()));
         result.force.push_back(takeMedian(bins[c]));

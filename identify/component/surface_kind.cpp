@@ -25,12 +25,12 @@ void checkSigns(Trial& trial) {
     const Estimates& e = trial.fit.estimates;
     if (trial.friction_column >= 0)
         trial.physical = e.value[trial.friction_column] + e.calcHalfWidth(trial.friction_column) >= 0;
-    const auto hinges = static_cast<Eigen::Index>(trial.fit.hinges.size());
+    const Eigen::Index hinges = trial.fit.hinges.size();
     const Eigen::Index first = e.value.size() - 2 * hinges;
     Eigen::VectorXd at_rest = Eigen::VectorXd::Zero(e.value.size());
     at_rest[trial.stiffness_column] = 1;
     for (Eigen::Index j = 0; j < hinges; ++j)
-        if (trial.fit.hinges[static_cast<std::size_t>(j)].position < 0) at_rest[first + j] = 1;
+        if (trial.fit.hinges[j].position < 0) at_rest[first + j] = 1;
     trial.physical = trial.physical && at_rest.dot(e.value) + e.calcHalfWidth(at_rest) >= 0;
 }
 
@@ -53,11 +53,11 @@ Trial tryLaw(const ComponentData& data, int hinges, bool cubic, bool friction) {
                                                       : calcDirection(data.q, 0.05));
     }
     HingeProblem problem;
-    problem.base.resize(n, static_cast<Eigen::Index>(columns.size()));
-    for (std::size_t j = 0; j < columns.size(); ++j) problem.base.col(static_cast<Eigen::Index>(j)) = columns[j];
+    problem.base.resize(n, columns.size());
+    for (std::size_t j = 0; j < columns.size(); ++j) problem.base.col(j) = columns[j];
     problem.q = data.q;
     problem.y = data.force;
-    problem.start.resize(static_cast<std::size_t>(hinges));
+    problem.start.resize(hinges);
     problem.run_starts = {0};
     if (hinges == 0) {
         trial.fit.estimates = solveBlocks(problem.base, problem.y, problem.run_starts);
@@ -105,7 +105,7 @@ StrokeFractions compareOnStrokes(const ComponentData& data, const Eigen::VectorX
     std::vector<Eigen::Index> used;
     double longest = 0, mean = 0;
     for (Eigen::Index i = 0; i < data.count(); ++i) {
-        if (!full[static_cast<std::size_t>(i)]) continue;
+        if (!full[i]) continue;
         used.push_back(i);
         longest = std::max(longest, travel[i]);
         mean += data.force[i];
@@ -142,7 +142,7 @@ void addLawParameters(const ComponentData& data, const Trial& trial, SurfaceKind
         if (column < 0) return;
         kind.parameters.push_back(makeParameter(place + name, unit, e.value[column], e.calcHalfWidth(column)));
     };
-    const Eigen::Index hinges = static_cast<Eigen::Index>(trial.fit.hinges.size());
+    const Eigen::Index hinges = trial.fit.hinges.size();
     const Eigen::Index first = e.value.size() - 2 * hinges;
     Eigen::VectorXd combination = Eigen::VectorXd::Zero(e.value.size());
     combination[trial.stiffness_column] = 1;

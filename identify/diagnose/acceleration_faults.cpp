@@ -44,15 +44,14 @@ Eigen::Vector3d calcLeverages(const PartMotion& part, const std::string& triad, 
         calibration.design * calibration.design.completeOrthogonalDecomposition().pseudoInverse();
     for (std::size_t c = 0; c < calibration.channels.size(); ++c)
         for (int a = 0; a < 3; ++a)
-            if (calibration.channels[c] == triad + "." + kAxes[a])
-                leverages[a] = hat(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(c));
+            if (calibration.channels[c] == triad + "." + kAxes[a]) leverages[a] = hat(c, c);
     return leverages;
 }
 
 bool addRun(const Recording& recording, const RunMotion& motion, const PartMotion& part, const std::string& triad,
             const Eigen::Vector3d& position, const Eigen::Vector3d& leverages, TriaxMoments& moments) {
     if (recording.sampleCount() != motion.time.size()) return false;
-    const auto samples = static_cast<Eigen::Index>(recording.sampleCount());
+    const Eigen::Index samples = recording.sampleCount();
     Eigen::MatrixXd measured(3, samples), point(3, samples);
     for (int a = 0; a < 3; ++a) {
         const Channel* channel = recording.find(triad + ".a" + kAxes[a]);
@@ -65,7 +64,7 @@ bool addRun(const Recording& recording, const RunMotion& motion, const PartMotio
     const int step = std::max(1, static_cast<int>(1 / motion.interval / kAccelerationRate));
     const double interval = step * motion.interval;
     const Eigen::MatrixXd s = kernel.apply(point, 2, step), y = kernel.apply(measured, 0, step);
-    const auto margin = static_cast<Eigen::Index>(2 + 2 * kernel.halfWidth() / step);
+    const Eigen::Index margin = 2 + 2 * kernel.halfWidth() / step;
     for (Eigen::Index k = margin; k + margin < s.cols(); ++k) {
         Eigen::Matrix<double, 6, 1> z;
         z.head<3>() = s.col(k);
@@ -127,16 +126,15 @@ void testTriax(const TriaxMoments& moments, const std::string& triad, double gai
     double best = 0;
     ChannelFault chosen;
     for (const auto& hypothesis : listHypotheses(triad)) {
-        const auto count = static_cast<Eigen::Index>(hypothesis.maps.size());
+        const Eigen::Index count = hypothesis.maps.size();
         Eigen::MatrixXd normal(count, count);
         Eigen::VectorXd right(count);
         const Eigen::Matrix3d weight = noise.cwiseInverse().asDiagonal();
         for (Eigen::Index i = 0; i < count; ++i) {
-            const auto& map = hypothesis.maps[static_cast<std::size_t>(i)];
+            const auto& map = hypothesis.maps[i];
             right[i] = (weight * map).cwiseProduct(moments.misfit).sum();
             for (Eigen::Index j = 0; j < count; ++j)
-                normal(i, j) =
-                    (weight * map * moments.signal).cwiseProduct(hypothesis.maps[static_cast<std::size_t>(j)]).sum();
+                normal(i, j) = (weight * map * moments.signal).cwiseProduct(hypothesis.maps[j]).sum();
         }
         if (hypothesis.cause == "sensor_misalignment") normal.diagonal().array() += 1 / (kTurned * kTurned);
         const Eigen::VectorXd values = normal.ldlt().solve(right);

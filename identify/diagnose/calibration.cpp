@@ -16,7 +16,7 @@ CalibrationResponse::CalibrationResponse(const OpenLoopRun& run, const MountMode
     axes_.resize(6, count);
     damping_.resize(count);
     for (Eigen::Index i = 0; i < count; ++i) {
-        const AxisLaw& law = model.connections[static_cast<std::size_t>(i / 3)].axis[static_cast<std::size_t>(i % 3)];
+        const AxisLaw& law = model.connections[i / 3].axis[i % 3];
         const AxisForce force(law);
         axes_.col(i) = calcAxisDirection(model, static_cast<int>(i / 3), static_cast<int>(i % 3));
         damping_[i] = law.damping;
@@ -103,10 +103,9 @@ void CalibrationResponse::calc(Eigen::Index column, Eigen::MatrixXd& mount, Eige
     }
     if (bracket_ == nullptr || run_->load.cols() == 0) return;
     const Eigen::Index axis = column - 2 * channels;
-    Eigen::MatrixXd forces =
-        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(model_->bracket.size()), run_->sampleCount());
+    Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(model_->bracket.size(), run_->sampleCount());
     for (std::size_t j = 0; j < model_->bracket.size(); ++j)
-        forces.row(static_cast<Eigen::Index>(j)) = model_->bracket[j].load_translation[axis] * run_->load.row(axis);
+        forces.row(j) = model_->bracket[j].load_translation[axis] * run_->load.row(axis);
     bracket = bracket_->calcResponse(*model_, forces);
 }
 

@@ -15,7 +15,7 @@ namespace {
 /// Values at times later by `delay` (s).
 std::vector<double> advance(const std::vector<double>& values, double delay, double interval) {
     const auto count = static_cast<long>(values.size());
-    const auto at = [&](long k) { return values[static_cast<std::size_t>(std::clamp(k, 0L, count - 1))]; };
+    const auto at = [&](long k) { return values[std::clamp(k, 0L, count - 1)]; };
     std::vector<double> result(values.size());
     for (long k = 0; k < count; ++k) {
         const double position = static_cast<double>(k) + delay / interval;
@@ -23,8 +23,8 @@ std::vector<double> advance(const std::vector<double>& values, double delay, dou
         const double u = position - static_cast<double>(i);
         const double a = at(i - 1), b = at(i), c = at(i + 1), d = at(i + 2);
         // Lagrange's cubic through four neighbours.
-        result[static_cast<std::size_t>(k)] = -a * u * (u - 1) * (u - 2) / 6 + b * (u + 1) * (u - 1) * (u - 2) / 2 -
-                                              c * (u + 1) * u * (u - 2) / 2 + d * (u + 1) * u * (u - 1) / 6;
+        result[k] = -a * u * (u - 1) * (u - 2) / 6 + b * (u + 1) * (u - 1) * (u - 2) / 2 -
+                    c * (u + 1) * u * (u - 2) / 2 + d * (u + 1) * u * (u - 1) / 6;
     }
     return result;
 }

@@ -64,7 +64,7 @@ Moments calcMoments(const std::vector<Recording>& recordings, const MountModel& 
             result.misfit = Eigen::MatrixXd::Zero(set.count(), z.rows());
             Eigen::MatrixXd J(set.count(), 6);
             for (int c = 0; c < set.count(); ++c) {
-                const auto& channel = set.channels[static_cast<std::size_t>(c)];
+                const auto& channel = set.channels[c];
                 const Eigen::Vector3d& axis = channel.direction;
                 J.row(c) << axis.transpose(), channel.position.cross(axis).transpose();
             }
@@ -100,17 +100,17 @@ std::string triadOf(const MarkerChannel& channel) {
 }
 
 std::vector<ChannelHypothesis> listHypotheses(const std::vector<MarkerChannel>& channels) {
-    const auto m = static_cast<Eigen::Index>(channels.size());
+    const Eigen::Index m = channels.size();
     std::vector<ChannelHypothesis> list;
     for (Eigen::Index c = 0; c < m; ++c) {
-        const auto& channel = channels[static_cast<std::size_t>(c)];
+        const auto& channel = channels[c];
         Eigen::MatrixXd gain = Eigen::MatrixXd::Zero(m, 2 * m), delay = gain;
         gain(c, c) = 1;
         delay(c, m + c) = -1;
         list.push_back({"sensor_gain", channel.name, {gain}});
         list.push_back({"sensor_delay", channel.name, {delay}});
-        if (channel.axis != 0 || c + 2 >= m || channels[static_cast<std::size_t>(c + 2)].axis != 2 ||
-            triadOf(channels[static_cast<std::size_t>(c + 2)]) != triadOf(channel))
+        if (channel.axis != 0 || c + 2 >= m || channels[c + 2].axis != 2 ||
+            triadOf(channels[c + 2]) != triadOf(channel))
             continue;
         ChannelHypothesis turned{"sensor_misalignment", triadOf(channel), {}};
         ChannelHypothesis late{"sensor_delay", triadOf(channel), {Eigen::MatrixXd::Zero(m, 2 * m)}};
@@ -135,7 +135,7 @@ std::vector<ChannelHypothesis> listHypotheses(const std::vector<MarkerChannel>& 
 class Tester {
 public:
     Tester(const Moments& moments, double gain_scatter) : moments_(moments) {
-        const auto m = static_cast<Eigen::Index>(moments.channels.size());
+        const Eigen::Index m = moments.channels.size();
         Eigen::MatrixXd normal(m, m);
         for (Eigen::Index c = 0; c < m; ++c) {
             Eigen::MatrixXd map = Eigen::MatrixXd::Zero(m, 2 * m);
@@ -143,12 +143,11 @@ public:
             gains_.push_back(map);
         }
         for (Eigen::Index c = 0; c < m; ++c)
-            for (Eigen::Index d = 0; d < m; ++d)
-                normal(c, d) = rawProduct(gains_[static_cast<std::size_t>(c)], gains_[static_cast<std::size_t>(d)]);
+            for (Eigen::Index d = 0; d < m; ++d) normal(c, d) = rawProduct(gains_[c], gains_[d]);
         normal.diagonal().array() += moments.variance / (gain_scatter * gain_scatter);
         factor_.compute(normal);
         on_misfit_.resize(m);
-        for (Eigen::Index c = 0; c < m; ++c) on_misfit_[c] = rawMisfit(gains_[static_cast<std::size_t>(c)]);
+        for (Eigen::Index c = 0; c < m; ++c) on_misfit_[c] = rawMisfit(gains_[c]);
         excess_ = (moments.square - on_misfit_.dot(factor_.solve(on_misfit_))) / moments.variance;
     }
     double misfit() const { return excess_; }
@@ -164,19 +163,18 @@ public:
 
     /// Least squares of a hypothesis: gain in misfit, values, standard errors.
     double test(const ChannelHypothesis& hypothesis, Eigen::VectorXd& values, Eigen::VectorXd& errors) const {
-        const auto count = static_cast<Eigen::Index>(hypothesis.maps.size());
+        const Eigen::Index count = hypothesis.maps.size();
         Eigen::MatrixXd normal(count, count);
         Eigen::VectorXd right(count);
         std::vector<Eigen::VectorXd> on_gains;
         for (Eigen::Index i = 0; i < count; ++i) {
-            const auto& a = hypothesis.maps[static_cast<std::size_t>(i)];
+            const auto& a = hypothesis.maps[i];
             Eigen::VectorXd products(on_misfit_.size());
-            for (Eigen::Index c = 0; c < products.size(); ++c)
-                products[c] = rawProduct(a, gains_[static_cast<std::size_t>(c)]);
+            for (Eigen::Index c = 0; c < products.size(); ++c) products[c] = rawProduct(a, gains_[c]);
             on_gains.push_back(products);
             right[i] = (rawMisfit(a) - products.dot(factor_.solve(on_misfit_))) / moments_.variance;
             for (Eigen::Index j = 0; j <= i; ++j) {
-                const auto s = static_cast<std::size_t>(j);
+                const std::size_t s = j;
                 normal(i, j) = normal(j, i) =
                     (rawProduct(a, hypothesis.maps[s]) - products.dot(factor_.solve(on_gains[s]))) / moments_.variance;
             }

@@ -19,16 +19,16 @@ Eigen::VectorXd fitAgain(const std::vector<Recording>& recordings, const MountMo
         problem.rewhiten(fit.model);
         fit = fitParameters(problem, fit.model, knobs);
     }
-    return Eigen::Map<const Eigen::VectorXd>(fit.values.data(), static_cast<Eigen::Index>(fit.values.size()));
+    return Eigen::Map<const Eigen::VectorXd>(fit.values.data(), fit.values.size());
 }
 
 }  // namespace
 
 Eigen::VectorXd calcFitBias(const std::vector<RunMotion>& runs, const MountModel& base, const MountModel& model,
                             const std::vector<Knob>& knobs) {
-    const auto count = static_cast<Eigen::Index>(knobs.size());
+    const Eigen::Index count = knobs.size();
     Eigen::VectorXd given(count), mean = Eigen::VectorXd::Zero(count);
-    for (Eigen::Index i = 0; i < count; ++i) given[i] = knobs[static_cast<std::size_t>(i)].get(model);
+    for (Eigen::Index i = 0; i < count; ++i) given[i] = knobs[i].get(model);
     try {
         for (const double sign : {1.0, -1.0}) {
             std::vector<Recording> recordings;

@@ -82,7 +82,7 @@ Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model) {
 
 Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion& run, const MountModel& model) {
     const auto samples = static_cast<Eigen::Index>(run.time.size());
-    Eigen::MatrixXd q(3 * static_cast<Eigen::Index>(model.connections.size()), samples);
+    Eigen::MatrixXd q(3 * model.connections.size(), samples);
     const PartMotion body = matchBand(run, model);
     const bool same_times = recording.sampleCount() == run.time.size();
     for (std::size_t i = 0; i < model.connections.size(); ++i) {
@@ -98,14 +98,12 @@ Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion
             const Eigen::Matrix3d R_GF = rotationFromVector(run.fixed.theta.col(k));
             Eigen::Vector3d relative;
             if (complete) {
-                for (int a = 0; a < 3; ++a)
-                    relative[a] =
-                        mobile[a]->values[static_cast<std::size_t>(k)] - fixed[a]->values[static_cast<std::size_t>(k)];
+                for (int a = 0; a < 3; ++a) relative[a] = mobile[a]->values[k] - fixed[a]->values[k];
             } else {
                 const Eigen::Matrix3d R_GM = rotationFromVector(body.theta.col(k));
                 relative = body.p.col(k) + R_GM * connection.position - run.fixed.p.col(k) - R_GF * connection.position;
             }
-            q.block<3, 1>(3 * static_cast<Eigen::Index>(i), k) = R_GF.transpose() * relative;
+            q.block<3, 1>(3 * i, k) = R_GF.transpose() * relative;
         }
     }
     return q;

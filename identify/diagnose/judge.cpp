@@ -147,7 +147,7 @@ private:
         const auto knobs = collectKnobs(selection.accepted);
         const auto isWithinErrors = [&](const Eigen::VectorXd& bias) {
             for (std::size_t i = 0; i < knobs.size(); ++i)
-                if (std::abs(bias[static_cast<Eigen::Index>(i)]) > selection.standard_errors[i]) return false;
+                if (std::abs(bias[i]) > selection.standard_errors[i]) return false;
             return true;
         };
         const ParameterFit biased = selection.fit;
@@ -157,7 +157,7 @@ private:
             bias = calcFitBias(pass_.fit_group.motions, model_, selection.fit.model, knobs);
             for (std::size_t i = 0; i < knobs.size(); ++i) {
                 auto& value = selection.fit.values[i];
-                value = std::clamp(biased.values[i] - bias[static_cast<Eigen::Index>(i)], knobs[i].lowest(biased.model),
+                value = std::clamp(biased.values[i] - bias[i], knobs[i].lowest(biased.model),
                                    knobs[i].highest(biased.model));
                 knobs[i].set(selection.fit.model, value);
             }
@@ -168,8 +168,7 @@ private:
             measureAfter();
         }
         for (std::size_t i = 0; i < knobs.size(); ++i)
-            selection.standard_errors[i] =
-                std::hypot(selection.standard_errors[i], kBiasDoubt * bias[static_cast<Eigen::Index>(i)]);
+            selection.standard_errors[i] = std::hypot(selection.standard_errors[i], kBiasDoubt * bias[i]);
     }
 
     Judgement judge(double error, double misfit) const {

@@ -36,7 +36,7 @@ LawDifferences::LawDifferences(const OpenLoopProblem& problem, const MountModel&
             Eigen::MatrixXcf white = whitening.whitenDirection(Equation::mount, direction);
             Eigen::MatrixXcf products(columns.cols(), white.cols());
             for (Eigen::Index c = 0; c < columns.cols(); ++c)
-                products.row(c) = white.conjugate().cwiseProduct(faults[static_cast<std::size_t>(c)]).colwise().sum();
+                products.row(c) = white.conjugate().cwiseProduct(faults[c]).colwise().sum();
             axes_[a].white.push_back(std::move(white));
             axes_[a].calibration.push_back(std::move(products));
         }

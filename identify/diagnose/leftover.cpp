@@ -108,22 +108,21 @@ std::vector<double> calcMisfitByFrequency(const OpenLoopProblem& problem, const 
 std::vector<std::string> findRegimes(const OpenLoopProblem& problem, const MountModel& model) {
     double power[2] = {0, 0}, time[2] = {0, 0};
     for (const auto& run : problem.runs()) {
-        std::vector<char> contact(static_cast<std::size_t>(run.sampleCount()), 0);
+        std::vector<char> contact(run.sampleCount(), 0);
         const int near = static_cast<int>(kNear / run.interval);
         for (Eigen::Index row = 0; row < run.q.rows(); ++row) {
-            const auto& law =
-                model.connections[static_cast<std::size_t>(row / 3)].axis[static_cast<std::size_t>(row % 3)];
+            const auto& law = model.connections[row / 3].axis[row % 3];
             for (const auto& stop : law.stops) {
                 const double sign = stop.side == Side::positive ? 1.0 : -1.0;
                 for (int k = 0; k < run.sampleCount(); ++k)
                     if (sign * (run.q(row, k) + law.offset) > stop.clearance)
                         for (int j = std::max(0, k - near); j < std::min(run.sampleCount(), k + near + 1); ++j)
-                            contact[static_cast<std::size_t>(j)] = 1;
+                            contact[j] = 1;
             }
         }
         const Eigen::MatrixXd residual = calcMountResidual(run, model);
         for (int k = 0; k < run.sampleCount(); ++k) {
-            const int regime = contact[static_cast<std::size_t>(k)] != 0 ? 1 : 0;
+            const int regime = contact[k] != 0 ? 1 : 0;
             power[regime] += run.taper[k] * residual.col(k).head<3>().squaredNorm();
             time[regime] += run.taper[k];
         }

@@ -24,7 +24,7 @@ struct LoadPoint {
 };
 
 LoadPoint findLoadPoint(const std::vector<BracketMode>& modes) {
-    Eigen::MatrixXd crosses(3 * static_cast<Eigen::Index>(modes.size()), 3);
+    Eigen::MatrixXd crosses(3 * modes.size(), 3);
     Eigen::VectorXd right(crosses.rows());
     double load = 0;
     for (std::size_t j = 0; j < modes.size(); ++j) {
@@ -53,7 +53,7 @@ std::vector<int> listDriven(const OpenLoopProblem& problem, Eigen::Matrix3Xd Ope
     const auto rank = (solver.eigenvalues().array() > kDriven * largest).count();
     axes = {0, 1, 2};
     std::sort(axes.begin(), axes.end(), [&](int a, int b) { return power(a, a) > power(b, b); });
-    axes.resize(static_cast<std::size_t>(rank));
+    axes.resize(rank);
     return axes;
 }
 
@@ -124,7 +124,7 @@ void scanRun(const OpenLoopProblem& problem, std::size_t r, const MountModel& mo
         ModalScan::Matrix6c factor;
         ModalScan::Vector6c white;
         for (Eigen::Index i = 0; i < 6; ++i) {
-            factor.col(i) = columns[static_cast<std::size_t>(i)].col(b).cast<std::complex<double>>();
+            factor.col(i) = columns[i].col(b).cast<std::complex<double>>();
             white[i] = {static_cast<double>(residual[first + 12 * b + i]),
                         static_cast<double>(residual[first + 12 * b + 6 + i])};
         }

@@ -17,15 +17,15 @@ struct Linearised {
 };
 
 Linearised linearise(const OpenLoopProblem& problem, const ParameterFit& at, const std::vector<Knob>& knobs) {
-    const auto count = static_cast<Eigen::Index>(knobs.size());
+    const Eigen::Index count = knobs.size();
     Linearised result{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count), Eigen::VectorXd(count)};
     const double variance = problem.calcVariance(at.residual);
     std::vector<WhiteVector> columns;
     for (Eigen::Index i = 0; i < count; ++i) {
-        const auto& knob = knobs[static_cast<std::size_t>(i)];
+        const auto& knob = knobs[i];
         result.scale[i] = knob.scale(at.model);
         double step = kStep * result.scale[i];
-        const double value = at.values[static_cast<std::size_t>(i)];
+        const double value = at.values[i];
         if (value + step > knob.highest(at.model)) step = -step;
         MountModel moved = at.model;
         knob.set(moved, value + step);
@@ -38,8 +38,7 @@ Linearised linearise(const OpenLoopProblem& problem, const ParameterFit& at, con
         }
         result.gradient[i] = problem.product(column, at.residual, variance);
         for (Eigen::Index j = 0; j <= i; ++j)
-            result.normal(i, j) = result.normal(j, i) =
-                problem.product(column, columns[static_cast<std::size_t>(j)], variance);
+            result.normal(i, j) = result.normal(j, i) = problem.product(column, columns[j], variance);
     }
     return result;
 }
@@ -53,7 +52,7 @@ ParameterFit fitParameters(const OpenLoopProblem& problem, const MountModel& sta
     for (const auto& knob : knobs) fit.values.push_back(knob.get(start));
     fit.residual = problem.calcResidual(start);
     fit.misfit = problem.calcMisfit(fit.residual);
-    const auto count = static_cast<Eigen::Index>(knobs.size());
+    const Eigen::Index count = knobs.size();
     fit.covariance = Eigen::MatrixXd::Zero(count, count);
     if (count == 0) return fit;
     const double absolute = kAbsolute / static_cast<double>(problem.size());
@@ -67,8 +66,8 @@ ParameterFit fitParameters(const OpenLoopProblem& problem, const MountModel& sta
         ParameterFit next;
         next.model = fit.model;
         for (Eigen::Index i = 0; i < count; ++i) {
-            const auto& knob = knobs[static_cast<std::size_t>(i)];
-            const double wanted = fit.values[static_cast<std::size_t>(i)] + step[i] * linear.scale[i];
+            const auto& knob = knobs[i];
+            const double wanted = fit.values[i] + step[i] * linear.scale[i];
             next.values.push_back(std::clamp(wanted, knob.lowest(fit.model), knob.highest(fit.model)));
             knob.set(next.model, next.values.back());
         }

@@ -30,7 +30,7 @@ Screened screenStart(const OpenLoopProblem& problem, const LawDifferences& laws,
     }
     std::vector<double> present;
     for (const auto& knob : candidate.knobs) present.push_back(knob.get(model));
-    const auto count = static_cast<Eigen::Index>(candidate.linear);
+    const Eigen::Index count = candidate.linear;
     std::vector<double> values = start;
     for (std::size_t i = 0; i < candidate.linear; ++i) values[i] = present[i];
     std::vector<WhiteVector> columns;
@@ -38,14 +38,13 @@ Screened screenStart(const OpenLoopProblem& problem, const LawDifferences& laws,
     Eigen::VectorXd right(count);
     for (Eigen::Index i = 0; i < count; ++i) {
         auto moved = values;
-        moved[static_cast<std::size_t>(i)] = start[static_cast<std::size_t>(i)];
+        moved[i] = start[i];
         MountModel changed = model;
         candidate.apply(changed, moved);
         columns.push_back(calcDifference(changed));
         right[i] = -problem.product(columns.back(), residual, variance);
         for (Eigen::Index j = 0; j <= i; ++j)
-            normal(i, j) = normal(j, i) =
-                problem.product(columns.back(), columns[static_cast<std::size_t>(j)], variance);
+            normal(i, j) = normal(j, i) = problem.product(columns.back(), columns[j], variance);
     }
     if (!(normal.diagonal().minCoeff() > 0)) {
         // A knob without effect: nothing can be said about it; the others may still count.
@@ -54,7 +53,7 @@ Screened screenStart(const OpenLoopProblem& problem, const LawDifferences& laws,
     Eigen::VectorXd way = normal.ldlt().solve(right);
     const bool nonlinear = candidate.starts.size() > 1 && candidate.linear == candidate.knobs.size();
     for (Eigen::Index i = 0; i < count; ++i) {
-        const auto s = static_cast<std::size_t>(i);
+        const std::size_t s = i;
         const auto& knob = candidate.knobs[s];
         if (nonlinear && i == 0) way[i] = std::clamp(way[i], 0.0, kFarthest);
         const double wanted = present[s] + way[i] * (start[s] - present[s]);

@@ -101,7 +101,7 @@ private:
     bool isNear(const MountModel& model, const std::vector<Knob>& knobs) const {
         const double scale = std::sqrt(std::max(1.0, result_.fit.misfit));
         for (std::size_t i = 0; i < knobs.size(); ++i) {
-            const auto k = static_cast<Eigen::Index>(i);
+            const Eigen::Index k = i;
             const double deviation = scale * std::sqrt(std::max(0.0, result_.fit.covariance(k, k)));
             if (!(std::abs(result_.fit.values[i] - knobs[i].get(model)) <= kNearDeviations * deviation)) return false;
         }
@@ -227,7 +227,7 @@ private:
         const auto other = fitParameters(validation_, result_.fit.model, knobs, 4);
         const double scale = std::sqrt(std::max(1.0, result_.fit.misfit));
         for (std::size_t i = 0; i < knobs.size(); ++i) {
-            const auto k = static_cast<Eigen::Index>(i);
+            const Eigen::Index k = i;
             const double variance = result_.fit.covariance(k, k) + other.covariance(k, k);
             const double difference = std::abs(other.values[i] - result_.fit.values[i]);
             const double discrepancy = variance > 0 ? std::max(1.0, difference / std::sqrt(variance)) : 1.0;

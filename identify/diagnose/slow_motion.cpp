@@ -15,13 +15,13 @@ constexpr int kIterations = 20;
 
 Eigen::MatrixXd calcRelative(const RunMotion& run, const MountModel& model) {
     const auto samples = run.mobile.p.cols();
-    Eigen::MatrixXd q(3 * static_cast<Eigen::Index>(model.connections.size()), samples);
+    Eigen::MatrixXd q(3 * model.connections.size(), samples);
     for (Eigen::Index k = 0; k < samples; ++k) {
         const Eigen::Matrix3d R_GM = rotationFromVector(run.mobile.theta.col(k)),
                               R_GF = rotationFromVector(run.fixed.theta.col(k));
         for (std::size_t i = 0; i < model.connections.size(); ++i) {
             const Eigen::Vector3d r = model.connections[i].position;
-            q.block<3, 1>(3 * static_cast<Eigen::Index>(i), k) =
+            q.block<3, 1>(3 * i, k) =
                 R_GF.transpose() * (run.mobile.p.col(k) + R_GM * r - run.fixed.p.col(k) - R_GF * r);
         }
     }
@@ -47,9 +47,9 @@ void restoreSlowMotion(RunMotion& run, const MountModel& model) {
     Eigen::Matrix<double, 6, Eigen::Dynamic> directions(6, measured.rows());
     std::vector<AxisForce> laws;
     for (Eigen::Index i = 0; i < measured.rows(); ++i) {
-        const auto connection = static_cast<std::size_t>(i / 3);
+        const std::size_t connection = i / 3;
         directions.col(i) = calcAxisDirection(model, static_cast<int>(i / 3), static_cast<int>(i % 3));
-        laws.emplace_back(model.connections[connection].axis[static_cast<std::size_t>(i % 3)]);
+        laws.emplace_back(model.connections[connection].axis[i % 3]);
     }
     const Fourier fourier(static_cast<int>(measured.cols()));
     const auto slow_bins = std::min<Eigen::Index>(
@@ -65,7 +65,7 @@ void restoreSlowMotion(RunMotion& run, const MountModel& model) {
         Eigen::Matrix<double, 6, 6> stiffness = Eigen::Matrix<double, 6, 6>::Zero();
         Eigen::VectorXd tangent(force.cols());
         for (Eigen::Index i = 0; i < force.rows(); ++i) {
-            const auto& law = laws[static_cast<std::size_t>(i)];
+            const auto& law = laws[i];
             for (Eigen::Index k = 0; k < force.cols(); ++k) {
                 tangent[k] = std::max(0.0, law.calcStaticStiffness(force(i, k)));
                 force(i, k) = law.calcStaticForce(force(i, k));

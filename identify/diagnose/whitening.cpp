@@ -97,7 +97,7 @@ Whitening::Whitening(const OpenLoopRun& run, const MountModel& model, bool with_
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
             const auto c = static_cast<int>(i);
-            const AxisLaw& law = model.connections[i].axis[static_cast<std::size_t>(a)];
+            const AxisLaw& law = model.connections[i].axis[a];
             const auto d = calcAxisDirection(model, c, a);
             force_power.push_back(smoothPower(transform(calcAxisForce(run, law, c, a).transpose()), half));
             directions.push_back(d * d.transpose());
@@ -170,7 +170,7 @@ Eigen::MatrixXcf Whitening::whitenDirection(Equation equation, const Eigen::Matr
     const auto& factors = factors_[equation == Equation::mount ? 0 : 1];
     Eigen::MatrixXcf result(6, bins_);
     for (Eigen::Index b = 0; b < bins_; ++b)
-        result.col(b) = (kRoot2 * (factors[static_cast<std::size_t>(b)] * direction)).cast<std::complex<float>>();
+        result.col(b) = (kRoot2 * (factors[b] * direction)).cast<std::complex<float>>();
     return result;
 }
 
@@ -206,8 +206,7 @@ void Whitening::whiten(Equation equation, const Eigen::Ref<const Eigen::MatrixXd
     const auto& factors = factors_[equation == Equation::mount ? 0 : 1];
     const Eigen::MatrixXcd spectra = transform(series);
     for (Eigen::Index b = 0; b < bins_; ++b) {
-        const Eigen::Matrix<std::complex<double>, 6, 1> white =
-            kRoot2 * (factors[static_cast<std::size_t>(b)] * spectra.col(b));
+        const Eigen::Matrix<std::complex<double>, 6, 1> white = kRoot2 * (factors[b] * spectra.col(b));
         for (int i = 0; i < 6; ++i) {
             out[12 * b + i] = static_cast<float>(white[i].real());
             out[12 * b + 6 + i] = static_cast<float>(white[i].imag());

@@ -56,9 +56,7 @@ public:
     Eigen::MatrixXcf whitenDirection(Equation equation, const Eigen::Matrix<double, 6, 1>& direction) const;
 
     /// Factors of the mount's part (inverse Cholesky factor at a bin).
-    const Eigen::Matrix<std::complex<double>, 6, 6>& mountFactor(Eigen::Index bin) const {
-        return factors_[0][static_cast<std::size_t>(bin)];
-    }
+    const Eigen::Matrix<std::complex<double>, 6, 6>& mountFactor(Eigen::Index bin) const { return factors_[0][bin]; }
 
 private:
     using Matrix6c = Eigen::Matrix<std::complex<double>, 6, 6>;

@@ -50,10 +50,10 @@ BlockChoice::BlockChoice(const MountModel& model, const FitOptions& options, std
       most_(std::max<std::size_t>(1, most)),
       parameters_(makeParameters(model, options.free_body)),
       weights_(makeWeights(model)) {
-    const auto count = static_cast<Eigen::Index>(parameters_.size());
+    const Eigen::Index count = parameters_.size();
     scale_.resize(count);
     for (Eigen::Index j = 0; j < count; ++j) {
-        const Parameter& parameter = parameters_[static_cast<std::size_t>(j)];
+        const Parameter& parameter = parameters_[j];
         scale_(j) = calcScale(model, parameter);
         if (parameter.kind == ParameterKind::clearance)
             stops_.push_back({parameter.connection, parameter.axis, parameter.stop});
@@ -129,7 +129,7 @@ BlockChoice::Cost BlockChoice::calcCost() const {
         ratios.push_back(ratio);
         if (ratio <= cost.largest) continue;
         cost.largest = ratio;
-        cost.parameter = parameters_[static_cast<std::size_t>(j)].name;
+        cost.parameter = parameters_[j].name;
     }
     std::sort(ratios.begin(), ratios.end());
     if (!ratios.empty()) cost.median = ratios[ratios.size() / 2];

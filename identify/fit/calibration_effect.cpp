@@ -38,8 +38,8 @@ public:
         directions_.resize(6, relative.q.cols());
         damping_.resize(relative.q.cols());
         for (Eigen::Index axis = 0; axis < relative.q.cols(); ++axis) {
-            const Connection& connection = model.connections[static_cast<std::size_t>(axis / 3)];
-            const AxisLaw& law = connection.axis.at(static_cast<std::size_t>(axis % 3));
+            const Connection& connection = model.connections[axis / 3];
+            const AxisLaw& law = connection.axis.at(axis % 3);
             const AxisForce force(law);
             const Vector3d e = Vector3d::Unit(axis % 3);
             directions_.col(axis) << e, connection.position.cross(e);
@@ -76,7 +76,7 @@ private:
     }
 
     Eigen::MatrixXd average(const Eigen::MatrixXd& signal, const std::vector<double>& taps) const {
-        const Eigen::Map<const Eigen::VectorXd> weights(taps.data(), static_cast<Eigen::Index>(taps.size()));
+        const Eigen::Map<const Eigen::VectorXd> weights(taps.data(), taps.size());
         Eigen::MatrixXd result(signal.rows(), outputs_);
         for (Eigen::Index n = 0; n < outputs_; ++n)
             result.col(n) = signal.middleCols(n * test_function_.stride(), weights.size()) * weights;
@@ -113,7 +113,7 @@ CalibrationEffect calcCalibrationEffect(const Solver& solver, const LinearSystem
             if (!(calibration.gain_scatter > 0)) return;
             const Eigen::MatrixXd shifts = calibration.design.completeOrthogonalDecomposition().pseudoInverse();
             for (std::size_t c = 0; c < calibration.channels.size(); ++c) {
-                const auto k = static_cast<Eigen::Index>(c);
+                const Eigen::Index k = c;
                 const Eigen::MatrixXd change =
                     equations.whitening(r) *
                     calcResponse(Vector6d(calibration.design.row(k).transpose()), Vector6d(shifts.col(k)));
@@ -141,7 +141,7 @@ CalibrationEffect calcCalibrationEffect(const Solver& solver, const LinearSystem
         });
         if (!fixed.displacement_measured) addChannels(fixed.acceleration_calibration, displacementOf(fixed, -1, false));
     }
-    effect.influences.resize(system.scale.size(), static_cast<Eigen::Index>(scores.size()));
+    effect.influences.resize(system.scale.size(), scores.size());
     Eigen::Index column = 0;
     for (const auto& entry : scores) effect.influences.col(column++) = system.inverse * entry.second;
     return effect;

@@ -19,8 +19,7 @@ constexpr std::array<int, 6> inertia_columns{0, 1, 2, 1, 2, 2};
 
 /// E_j u for the j-th basis matrix of symmetric 3 × 3 matrices.
 Vector3d applyInertiaBasis(int j, const Vector3d& u) {
-    const int row = inertia_rows.at(static_cast<std::size_t>(j)),
-              column = inertia_columns.at(static_cast<std::size_t>(j));
+    const int row = inertia_rows.at(j), column = inertia_columns.at(j);
     Vector3d result = Vector3d::Zero();
     result(row) = u(column);
     if (row != column) result(column) = u(row);
@@ -94,7 +93,7 @@ private:
         double* displacement = first + 24;
         Eigen::Map<Vector6d> known(value);
         for (int axis = 0; axis < axes_; ++axis) {
-            const Vector3d lever = R_GM * model_.connections[static_cast<std::size_t>(axis / 3)].position;
+            const Vector3d lever = R_GM * model_.connections[axis / 3].position;
             const Vector3d direction = R_GF.col(axis % 3);
             const Vector3d direction_rate = w_F.cross(direction);
             Vector6d pattern, pattern_rate;
@@ -157,11 +156,11 @@ AxisHistory makeAxisHistory(const RunMotion& motion, const MountModel& model, co
         history.q.push_back(q(k));
         history.v.push_back(relative.v(k, axis));
     }
-    const auto count = static_cast<Eigen::Index>(history.sample.size());
+    const Eigen::Index count = history.sample.size();
     history.pattern.resize(6, count);
-    const Vector3d& position = model.connections[static_cast<std::size_t>(axis / 3)].position;
+    const Vector3d& position = model.connections[axis / 3].position;
     for (Eigen::Index n = 0; n < count; ++n) {
-        const int k = history.sample[static_cast<std::size_t>(n)];
+        const int k = history.sample[n];
         const Vector3d lever = rotationFromVector(motion.mobile.theta.col(k)) * position;
         const Vector3d direction = rotationFromVector(motion.fixed.theta.col(k)).col(axis % 3);
         history.pattern.col(n) << direction, lever.cross(direction);
@@ -177,9 +176,7 @@ Eigen::Matrix<double, 9, 1> calcMoments(const MobileBody& body) {
         body.inertia + body.mass * (c.squaredNorm() * Matrix3d::Identity() - c * c.transpose());
     Eigen::Matrix<double, 9, 1> moments;
     moments.head<3>() = body.mass * c;
-    for (int j = 0; j < 6; ++j)
-        moments(3 + j) =
-            about_origin(inertia_rows.at(static_cast<std::size_t>(j)), inertia_columns.at(static_cast<std::size_t>(j)));
+    for (int j = 0; j < 6; ++j) moments(3 + j) = about_origin(inertia_rows.at(j), inertia_columns.at(j));
     return moments;
 }
 
@@ -191,8 +188,7 @@ Eigen::VectorXd makeCoefficients(const ColumnLayout& layout, const MountModel& m
         coefficients.segment<9>(layout.firstMoment(0)) = calcMoments(model.body);
     }
     for (int axis = 0; axis < layout.axes; ++axis) {
-        const AxisLaw& law =
-            model.connections[static_cast<std::size_t>(axis / 3)].axis.at(static_cast<std::size_t>(axis % 3));
+        const AxisLaw& law = model.connections[axis / 3].axis.at(axis % 3);
         coefficients(layout.stiffness(axis)) = law.stiffness;
         coefficients(layout.damping(axis)) = law.damping;
     }
@@ -232,7 +228,7 @@ RunEquations makeEquations(const RunMotion& motion, const MountModel& model, con
             second_mean.setZero();
             for (int j = 0; j < taps; ++j) {
                 const int k = (n - start) * stride + j;
-                const auto tap = static_cast<std::size_t>(j);
+                const std::size_t tap = j;
                 value_mean.noalias() += test_function.value()[tap] * value.row(k);
                 first_mean.noalias() += test_function.first()[tap] * first.row(k);
                 if (!motion.mobile.acceleration_measured)
@@ -250,9 +246,7 @@ RunEquations makeEquations(const RunMotion& motion, const MountModel& model, con
     }
     removeMeans(equations);
     for (int axis = 0; axis < axes; ++axis) {
-        const bool stopped = !model.connections[static_cast<std::size_t>(axis / 3)]
-                                  .axis.at(static_cast<std::size_t>(axis % 3))
-                                  .stops.empty();
+        const bool stopped = !model.connections[axis / 3].axis.at(axis % 3).stops.empty();
         equations.axes.push_back(stopped ? makeAxisHistory(motion, model, relative, axis) : AxisHistory{});
     }
     return equations;

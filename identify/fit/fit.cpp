@@ -36,14 +36,14 @@ ParameterUncertainty removeSpuriousStops(Solver& solver) {
         double weakest = least;
         int weakest_parameter = -1;
         for (std::size_t j = 0; j < system.parameters.size(); ++j) {
-            const Parameter& parameter = solver.parameters()[static_cast<std::size_t>(system.parameters[j])];
+            const Parameter& parameter = solver.parameters()[system.parameters[j]];
             if (parameter.kind != ParameterKind::stop_stiffness) continue;
-            const auto k = static_cast<Eigen::Index>(j);
+            const Eigen::Index k = j;
             const double error =
                 system.scale(k) * uncertainty.calcStandardError(Eigen::VectorXd::Unit(system.scale.size(), k));
             const double stiffness = std::abs(getParameter(solver.model(), parameter.name));
-            const Connection& connection = solver.model().connections[static_cast<std::size_t>(parameter.connection)];
-            const double elastomer = connection.axis.at(static_cast<std::size_t>(parameter.axis)).stiffness;
+            const Connection& connection = solver.model().connections[parameter.connection];
+            const double elastomer = connection.axis.at(parameter.axis).stiffness;
             double ratio = stiffness / error;
             if (stiffness < least_share * elastomer) ratio = std::min(ratio, stiffness / (least_share * elastomer));
             if (ratio < weakest) {
@@ -52,7 +52,7 @@ ParameterUncertainty removeSpuriousStops(Solver& solver) {
             }
         }
         if (weakest_parameter < 0) return uncertainty;
-        solver.removeStop(solver.parameters()[static_cast<std::size_t>(weakest_parameter)]);
+        solver.removeStop(solver.parameters()[weakest_parameter]);
     }
 }
 

@@ -42,33 +42,30 @@ Eigen::MatrixXd addGeometryError(const LinearSystem& system, const Eigen::Matrix
 
 /// Moves the open parameters of `model`, each in proportion to its base value, until the known combinations hold.
 void shareCombinations(const Solver& solver, const LinearSystem& system, const OpenGroup& group, MountModel& model) {
-    const auto size = static_cast<Eigen::Index>(group.members.size());
+    const Eigen::Index size = group.members.size();
     Eigen::VectorXd base(size), fitted(size);
     std::vector<std::string> names;
     for (Eigen::Index j = 0; j < size; ++j) {
-        const int member = system.parameters[static_cast<std::size_t>(group.members[static_cast<std::size_t>(j)])];
-        names.push_back(solver.parameters()[static_cast<std::size_t>(member)].name);
+        const int member = system.parameters[group.members[j]];
+        names.push_back(solver.parameters()[member].name);
         base(j) = getParameter(solver.base(), names.back());
         fitted(j) = getParameter(solver.model(), names.back());
     }
     Eigen::VectorXd shared = base;
     if (!group.known.empty()) {
-        Eigen::MatrixXd factors(static_cast<Eigen::Index>(group.known.size()), size);
-        for (std::size_t c = 0; c < group.known.size(); ++c)
-            factors.row(static_cast<Eigen::Index>(c)) = group.known[c].factors.transpose();
+        Eigen::MatrixXd factors(group.known.size(), size);
+        for (std::size_t c = 0; c < group.known.size(); ++c) factors.row(c) = group.known[c].factors.transpose();
         Eigen::VectorXd weight = base.cwiseAbs();
         if (!(weight.minCoeff() > 0)) weight = system.scale(group.members);
         const Eigen::MatrixXd weighted = weight.asDiagonal() * factors.transpose();
         shared += weighted * (factors * weighted).ldlt().solve(factors * (fitted - base));
     }
-    for (Eigen::Index j = 0; j < size; ++j) setParameter(model, names[static_cast<std::size_t>(j)], shared(j));
+    for (Eigen::Index j = 0; j < size; ++j) setParameter(model, names[j], shared(j));
 }
 
 void reportOpenGroups(const Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
                       const Identifiability& identifiability, FitResult& result) {
-    const auto nameOf = [&](int member) -> const Parameter& {
-        return solver.parameters()[static_cast<std::size_t>(system.parameters[static_cast<std::size_t>(member)])];
-    };
+    const auto nameOf = [&](int member) -> const Parameter& { return solver.parameters()[system.parameters[member]]; };
     bool shared = false;
     for (const OpenGroup& group : identifiability.groups) {
         shareCombinations(solver, system, group, result.model);
@@ -77,7 +74,7 @@ void reportOpenGroups(const Solver& solver, const LinearSystem& system, const Pa
             double magnitude = 0;
             Eigen::VectorXd combination = Eigen::VectorXd::Zero(system.scale.size());
             for (std::size_t j = 0; j < known.members.size(); ++j) {
-                const double factor = known.factors(static_cast<Eigen::Index>(j));
+                const double factor = known.factors(j);
                 if (factor == 0) continue;
                 entry.names.push_back(nameOf(known.members[j]).name);
                 const double term = factor * getParameter(solver.model(), entry.names.back());
@@ -97,7 +94,7 @@ void reportOpenGroups(const Solver& solver, const LinearSystem& system, const Pa
             const bool combined =
                 std::any_of(group.known.begin(), group.known.end(), [&](const KnownCombination& known) {
                     for (std::size_t j = 0; j < known.members.size(); ++j)
-                        if (known.members[j] == member && known.factors(static_cast<Eigen::Index>(j)) != 0) return true;
+                        if (known.members[j] == member && known.factors(j) != 0) return true;
                     return false;
                 });
             if (!combined) rest.names.push_back(nameOf(member).name);
@@ -151,7 +148,7 @@ void warnOfMissingTerms(const Solver& solver, const ParameterUncertainty& uncert
 void fillResult(Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
                 const FitOptions& options, FitResult& result) {
     std::vector<Parameter> taking_part;
-    for (const int p : system.parameters) taking_part.push_back(solver.parameters()[static_cast<std::size_t>(p)]);
+    for (const int p : system.parameters) taking_part.push_back(solver.parameters()[p]);
     const Eigen::MatrixXd covariance = addGeometryError(system, uncertainty.makeCovariance(), options.geometry_error);
     result.directions = findDirections(taking_part, system.information, covariance);
     const Identifiability identifiability =
@@ -160,7 +157,7 @@ void fillResult(Solver& solver, const LinearSystem& system, const ParameterUncer
     result.model = solver.base();
     for (std::size_t j = 0; j < taking_part.size(); ++j) {
         if (!identifiability.known[j]) continue;
-        const auto k = static_cast<Eigen::Index>(j);
+        const Eigen::Index k = j;
         const Eigen::VectorXd combination = system.scale(k) * Eigen::VectorXd::Unit(system.scale.size(), k);
         FittedParameter fitted{taking_part[j].name, taking_part[j].unit, 0, 0, 0, {}};
         fitted.model_value = getParameter(solver.base(), fitted.name);

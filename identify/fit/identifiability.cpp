@@ -20,8 +20,7 @@ std::vector<std::vector<int>> findGroups(const std::vector<int>& members, const 
         for (std::size_t j = 0; j < i; ++j) {
             const int a = members[i], b = members[j];
             const double scale = std::sqrt(covariance(a, a) * covariance(b, b));
-            const bool same_kind =
-                parameters[static_cast<std::size_t>(a)].unit == parameters[static_cast<std::size_t>(b)].unit;
+            const bool same_kind = parameters[a].unit == parameters[b].unit;
             if (!same_kind || std::abs(covariance(a, b)) < least * scale) continue;
             const int from = label[i], to = label[j];
             std::replace(label.begin(), label.end(), from, to);
@@ -48,7 +47,7 @@ public:
           covariance_(covariance(group, group)),
           calcHalfWidth_(calcHalfWidth),
           all_(scale.size()),
-          tolerance_(0.5 * calcTolerance(parameters[static_cast<std::size_t>(group.front())])) {
+          tolerance_(0.5 * calcTolerance(parameters[group.front()])) {
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance_);
         for (Eigen::Index j = 0; j < eigen.eigenvalues().size(); ++j)
             if (std::sqrt(std::max(0.0, eigen.eigenvalues()(j))) < tolerance_)
@@ -103,7 +102,7 @@ private:
     int countAxes(unsigned chosen) const {
         unsigned axes = 0;
         for (std::size_t j = 0; j < group_.size(); ++j)
-            if ((chosen >> j & 1U) != 0) axes |= 1U << (parameters_[static_cast<std::size_t>(group_[j])].axis + 1);
+            if ((chosen >> j & 1U) != 0) axes |= 1U << (parameters_[group_[j]].axis + 1);
         return __builtin_popcount(axes);
     }
 
@@ -158,7 +157,7 @@ std::string formatCombination(const std::vector<Parameter>& parameters, const st
                               const Eigen::VectorXd& factors) {
     std::string text;
     for (std::size_t j = 0; j < members.size(); ++j) {
-        const double factor = factors(static_cast<Eigen::Index>(j));
+        const double factor = factors(j);
         if (factor == 0) continue;
         text += text.empty() ? (factor < 0 ? "-" : "") : (factor < 0 ? " - " : " + ");
         if (std::abs(factor) != 1) {
@@ -166,7 +165,7 @@ std::string formatCombination(const std::vector<Parameter>& parameters, const st
             std::snprintf(number.data(), number.size(), "%.3g ", std::abs(factor));
             text += number.data();
         }
-        text += parameters[static_cast<std::size_t>(members[j])].name;
+        text += parameters[members[j]].name;
     }
     return text;
 }
@@ -191,17 +190,17 @@ std::string describeSeparatingMotion(const MountModel& model, const std::vector<
         Eigen::Matrix<double, 6, 6> change = Eigen::Matrix<double, 6, 6>::Zero();
         for (std::size_t j = 0; j < parameters.size(); ++j) {
             const Eigen::Vector3d unit = Eigen::Vector3d::Unit(parameters[j].axis);
-            const auto& position = model.connections[static_cast<std::size_t>(parameters[j].connection)].position;
+            const auto& position = model.connections[parameters[j].connection].position;
             Eigen::Matrix<double, 6, 1> pattern;
             pattern << unit, position.cross(unit) / arm;
-            change += eigen.eigenvectors()(static_cast<Eigen::Index>(j), d) * pattern * pattern.transpose();
+            change += eigen.eigenvectors()(j, d) * pattern * pattern.transpose();
         }
         response += eigen.eigenvalues()(d) * change.colwise().squaredNorm().transpose();
     }
     Eigen::Index best = 0;
     if (response.maxCoeff(&best) < 0.01 * covariance.trace())
         return "no motion of this mount as a rigid body: a test of one connection alone";
-    return std::string("a run that ") + motions.at(static_cast<std::size_t>(best));
+    return std::string("a run that ") + motions.at(best);
 }
 
 Identifiability findIdentifiable(const MountModel& model, const std::vector<Parameter>& parameters,
@@ -210,7 +209,7 @@ Identifiability findIdentifiable(const MountModel& model, const std::vector<Para
     Identifiability result;
     std::vector<int> open;
     for (std::size_t j = 0; j < parameters.size(); ++j) {
-        const auto k = static_cast<Eigen::Index>(j);
+        const Eigen::Index k = j;
         result.known.push_back(std::sqrt(covariance(k, k)) < calcTolerance(parameters[j]));
         if (!result.known.back()) open.push_back(static_cast<int>(j));
     }
@@ -220,7 +219,7 @@ Identifiability findIdentifiable(const MountModel& model, const std::vector<Para
         if (group.size() > 1)
             described.known = CombinationSearch(parameters, group, scale, covariance, calcHalfWidth).find();
         std::vector<Parameter> members;
-        for (const int j : group) members.push_back(parameters[static_cast<std::size_t>(j)]);
+        for (const int j : group) members.push_back(parameters[j]);
         if (members.front().kind == ParameterKind::stop_stiffness || members.front().kind == ParameterKind::clearance)
             described.separate_by = "a run in which " +
                                     members.front().name.substr(0, members.front().name.rfind('.')) +

@@ -44,7 +44,7 @@ void filterBackwards(RowMatrix& rows, Eigen::Index outputs, const std::vector<Au
     const Eigen::Index all = rows.rows() / 6;
     for (Eigen::Index n = outputs - 1; n >= 0; --n)
         for (Eigen::Index e = 0; e < 6; ++e) {
-            const Eigen::VectorXd& coefficients = models[static_cast<std::size_t>(e)].coefficients;
+            const Eigen::VectorXd& coefficients = models[e].coefficients;
             auto row = rows.row(6 * n + e);
             for (Eigen::Index lag = 1; lag <= coefficients.size() && n + lag < all; ++lag)
                 row.noalias() += coefficients(lag - 1) * rows.row(6 * (n + lag) + e);
@@ -92,7 +92,7 @@ RunScores calcRunScores(const Solver& solver, const LinearSystem& system, std::s
 }  // namespace
 
 ParameterUncertainty::ParameterUncertainty(const Solver& solver, const LinearSystem& system) {
-    const auto count = static_cast<Eigen::Index>(system.parameters.size());
+    const Eigen::Index count = system.parameters.size();
     Eigen::MatrixXd middle = Solver::kPriorWeight * Eigen::MatrixXd::Identity(count, count);
     std::vector<RunScores> pieces(solver.runCount());
     runParallel(pieces.size(), [&](std::size_t r) { pieces[r] = calcRunScores(solver, system, r); });
@@ -102,9 +102,8 @@ ParameterUncertainty::ParameterUncertainty(const Solver& solver, const LinearSys
         std::move(piece.blocks.begin(), piece.blocks.end(), std::back_inserter(scores));
     }
     stationary_ = system.inverse * middle * system.inverse + system.open;
-    influences_.resize(count, static_cast<Eigen::Index>(scores.size()));
-    for (std::size_t b = 0; b < scores.size(); ++b)
-        influences_.col(static_cast<Eigen::Index>(b)) = system.inverse * scores[b];
+    influences_.resize(count, scores.size());
+    for (std::size_t b = 0; b < scores.size(); ++b) influences_.col(b) = system.inverse * scores[b];
     calibration_ = calcCalibrationEffect(solver, system);
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 void fillHistory(const AxisLaw& law, Eigen::Index column, const RelativeHistory& relative,
                  const std::vector<double>& time, RowMatrix& result) {
-    const Eigen::Map<const Eigen::VectorXd> at(time.data(), static_cast<Eigen::Index>(time.size()));
+    const Eigen::Map<const Eigen::VectorXd> at(time.data(), time.size());
     result.col(column) = calcForceAlong(law, at, relative.q.col(column), relative.v.col(column));
 }
 
@@ -41,7 +41,7 @@ AxisLaw knownPart(const AxisLaw& law) {
 
 RelativeHistory calcRelativeHistory(const RunMotion& motion, const MountModel& model) {
     const auto samples = static_cast<Eigen::Index>(motion.time.size());
-    const auto axes = static_cast<Eigen::Index>(3 * model.connections.size());
+    const Eigen::Index axes = 3 * model.connections.size();
     RelativeHistory history{RowMatrix(samples, axes), RowMatrix(samples, axes)};
     for (Eigen::Index k = 0; k < samples; ++k) {
         BodyMotion mobile;

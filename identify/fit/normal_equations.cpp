@@ -9,13 +9,13 @@ namespace wems::identify {
 namespace {
 
 const AxisLaw& lawOf(const MountModel& model, const StopTerm& term) {
-    return model.connections.at(static_cast<std::size_t>(term.connection)).axis.at(static_cast<std::size_t>(term.axis));
+    return model.connections.at(term.connection).axis.at(term.axis);
 }
 
 }  // namespace
 
 const Stop& stopOf(const MountModel& model, const StopTerm& term) {
-    return lawOf(model, term).stops.at(static_cast<std::size_t>(term.stop));
+    return lawOf(model, term).stops.at(term.stop);
 }
 
 NormalEquations::NormalEquations(std::vector<RunEquations> runs)
@@ -57,14 +57,14 @@ void NormalEquations::whiten(const std::vector<Matrix6d>& transforms) {
 
 void NormalEquations::setStops(const MountModel& model, std::vector<StopTerm> stops) {
     const int linear = layout().count(), count = static_cast<int>(stops.size());
-    std::vector<int> kept(static_cast<std::size_t>(linear));  // old columns that stay, in the new order; -1: new
-    for (int c = 0; c < linear; ++c) kept[static_cast<std::size_t>(c)] = c;
+    std::vector<int> kept(linear);  // old columns that stay, in the new order; -1: new
+    for (int c = 0; c < linear; ++c) kept[c] = c;
     std::vector<double> clearances;
     std::vector<std::vector<StopColumn>> columns(runs_.size());
     std::vector<int> slopes;
     for (const StopTerm& stop : stops) {
         const auto old = std::find(stops_.begin(), stops_.end(), stop);
-        const auto s = static_cast<std::size_t>(old - stops_.begin());
+        const std::size_t s = old - stops_.begin();
         const bool stays = old != stops_.end();
         kept.push_back(stays ? valueColumn(s) : -1);
         slopes.push_back(stays ? slopeColumn(s) : -1);
@@ -76,7 +76,7 @@ void NormalEquations::setStops(const MountModel& model, std::vector<StopTerm> st
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(linear + 2 * count, linear + 2 * count);
     for (Eigen::Index i = 0; i < gram.rows(); ++i)
         for (Eigen::Index j = 0; j < gram.cols(); ++j) {
-            const int a = kept[static_cast<std::size_t>(i)], b = kept[static_cast<std::size_t>(j)];
+            const int a = kept[i], b = kept[j];
             if (a >= 0 && b >= 0) gram(i, j) = gram_(a, b);
         }
     gram_ = std::move(gram);
@@ -93,7 +93,7 @@ void NormalEquations::updateStops(const MountModel& model) {
     if (changed.empty()) return;
     runParallel(runs_.size(), [&](std::size_t r) {
         for (const std::size_t s : changed) {
-            const auto& history = runs_[r].axes[static_cast<std::size_t>(stops_[s].historyIndex())];
+            const auto& history = runs_[r].axes[stops_[s].historyIndex()];
             columns_[r][s] = makeStopColumn(history, runs_[r].test_function, runs_[r].outputs, stopOf(model, stops_[s]),
                                             lawOf(model, stops_[s]).offset);
             transform(columns_[r][s], whitenings_[r]);
@@ -110,8 +110,8 @@ void NormalEquations::updateProducts(std::size_t stop) {
         const StopColumn& column = columns_[r][stop];
         for (std::size_t n = 0; n < column.output.size(); ++n) {
             const auto rows = runs_[r].columns.middleRows<6>(6L * column.output[n]);
-            value_row.noalias() += column.value.col(static_cast<Eigen::Index>(n)).transpose() * rows;
-            slope_row.noalias() += column.slope.col(static_cast<Eigen::Index>(n)).transpose() * rows;
+            value_row.noalias() += column.value.col(n).transpose() * rows;
+            slope_row.noalias() += column.slope.col(n).transpose() * rows;
         }
     }
     gram_.row(value).head(linear) = value_row;
@@ -143,10 +143,10 @@ Eigen::VectorXd NormalEquations::makeCoefficients(const MountModel& model) const
 }
 
 Eigen::MatrixXd NormalEquations::makeJacobian(const MountModel& model, const std::vector<Parameter>& parameters) const {
-    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(gram_.cols(), static_cast<Eigen::Index>(parameters.size()));
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(gram_.cols(), parameters.size());
     for (std::size_t p = 0; p < parameters.size(); ++p) {
         const Parameter& parameter = parameters[p];
-        const auto column = static_cast<Eigen::Index>(p);
+        const Eigen::Index column = p;
         const int axis = 3 * parameter.connection + parameter.axis;
         switch (parameter.kind) {
             case ParameterKind::stiffness:
@@ -194,7 +194,7 @@ RowMatrix NormalEquations::apply(std::size_t run, const Eigen::MatrixXd& combina
         if (value.isZero(0) && slope.isZero(0)) continue;
         const auto begin = std::lower_bound(column.output.begin(), column.output.end(), first);
         for (auto output = begin; output != column.output.end() && *output < first + count; ++output) {
-            const auto k = static_cast<Eigen::Index>(output - column.output.begin());
+            const Eigen::Index k = output - column.output.begin();
             result.middleRows<6>(6L * (*output - first)) += column.value.col(k) * value + column.slope.col(k) * slope;
         }
         const RowMatrix mean = column.value_mean * value + column.slope_mean * slope;

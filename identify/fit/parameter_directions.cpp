@@ -38,7 +38,7 @@ std::vector<ParameterDirection> findDirections(const std::vector<Parameter>& par
         ParameterDirection entry;
         entry.singular_value = std::sqrt(std::max(0.0, eigen.eigenvalues()[d]));
         entry.relative_error = std::sqrt(std::max(0.0, direction.dot(covariance * direction)));
-        entry.known = entry.relative_error < calcTolerance(parameters[static_cast<std::size_t>(largest)]);
+        entry.known = entry.relative_error < calcTolerance(parameters[largest]);
         entry.text = describe(parameters, direction[largest] < 0 ? Eigen::VectorXd(-direction) : direction);
         directions.push_back(std::move(entry));
     }

@@ -12,7 +12,7 @@ namespace wems::identify {
 namespace {
 
 const AxisLaw& lawOf(const MountModel& model, int connection, int axis) {
-    return model.connections.at(static_cast<std::size_t>(connection)).axis.at(static_cast<std::size_t>(axis));
+    return model.connections.at(connection).axis.at(axis);
 }
 
 void addBodyParameters(const std::string& wanted, std::vector<Parameter>& parameters) {
@@ -45,7 +45,7 @@ double referenceDamping(double stiffness) {
 }  // namespace
 
 std::string formatAxisName(const MountModel& model, int connection, int axis) {
-    return model.connections.at(static_cast<std::size_t>(connection)).name + "." + kAxes[axis];
+    return model.connections.at(connection).name + "." + kAxes[axis];
 }
 
 std::vector<Parameter> makeParameters(const MountModel& model, const std::vector<std::string>& free_body) {

@@ -44,10 +44,7 @@ Eigen::Matrix3d integrateTransfers(const RunMotion& motion, const PartMotion& pa
                             smooth};
         }
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                products(i, j) +=
-                    (transfer.at(static_cast<std::size_t>(i)) * std::conj(transfer.at(static_cast<std::size_t>(j))))
-                        .real();
+            for (int j = 0; j < 3; ++j) products(i, j) += (transfer.at(i) * std::conj(transfer.at(j))).real();
     }
     return products * step / nyquist;
 }
@@ -59,32 +56,31 @@ struct Sensitivity {
 };
 
 std::vector<Sensitivity> makeSensitivities(const ColumnLayout& layout, const MountModel& model) {
-    std::vector<Sensitivity> sensitivities(static_cast<std::size_t>(layout.count()));
-    const auto at = [&](int column) -> Sensitivity& { return sensitivities[static_cast<std::size_t>(column)]; };
+    std::vector<Sensitivity> sensitivities(layout.count());
+    const auto at = [&](int column) -> Sensitivity& { return sensitivities[column]; };
     std::array<Matrix6d, 10> body;
     body.fill(Matrix6d::Zero());
     body[0].topLeftCorner<3, 3>().setIdentity();
     for (int j = 0; j < 3; ++j) {
         const Matrix3d cross = crossMatrix(Vector3d::Unit(j));
-        body.at(static_cast<std::size_t>(1 + j)).topRightCorner<3, 3>() = -cross;
-        body.at(static_cast<std::size_t>(1 + j)).bottomLeftCorner<3, 3>() = cross;
+        body.at(1 + j).topRightCorner<3, 3>() = -cross;
+        body.at(1 + j).bottomLeftCorner<3, 3>() = cross;
     }
     constexpr std::array<int, 6> rows{0, 1, 2, 0, 0, 1}, columns{0, 1, 2, 1, 2, 2};
     for (std::size_t j = 0; j < 6; ++j)
         body.at(4 + j)(3 + rows.at(j), 3 + columns.at(j)) = body.at(4 + j)(3 + columns.at(j), 3 + rows.at(j)) = 1;
     const auto moments = calcMoments(model.body);
     if (layout.free_body) {
-        for (int j = 0; j < 10; ++j)
-            at(layout.mass() + j) = {body.at(static_cast<std::size_t>(j)), Matrix6d::Zero(), 2};
+        for (int j = 0; j < 10; ++j) at(layout.mass() + j) = {body.at(j), Matrix6d::Zero(), 2};
     } else {
         at(layout.known()).derivative = 2;
         at(layout.known()).mobile = model.body.mass * body[0];
-        for (int j = 0; j < 9; ++j) at(layout.known()).mobile += moments(j) * body.at(static_cast<std::size_t>(1 + j));
+        for (int j = 0; j < 9; ++j) at(layout.known()).mobile += moments(j) * body.at(1 + j);
     }
     for (int axis = 0; axis < layout.axes; ++axis) {
         Vector6d pattern;
         const Vector3d direction = Vector3d::Unit(axis % 3);
-        pattern << direction, model.connections[static_cast<std::size_t>(axis / 3)].position.cross(direction);
+        pattern << direction, model.connections[axis / 3].position.cross(direction);
         at(layout.stiffness(axis)) = {pattern * pattern.transpose(), -pattern * pattern.transpose(), 0};
         at(layout.damping(axis)) = {pattern * pattern.transpose(), -pattern * pattern.transpose(), 1};
     }
@@ -96,7 +92,7 @@ std::vector<Sensitivity> makeSensitivities(const ColumnLayout& layout, const Mou
 Eigen::MatrixXd calcNoiseProducts(const RunMotion& motion, const MountModel& model, const RunEquations& equations,
                                   const Matrix6d& whitening) {
     const auto sensitivities = makeSensitivities(equations.layout, model);
-    const auto count = static_cast<Eigen::Index>(sensitivities.size());
+    const Eigen::Index count = sensitivities.size();
     Eigen::MatrixXd products = Eigen::MatrixXd::Zero(count, count);
     const Matrix6d weight = whitening.transpose() * whitening;
     for (const bool mobile : {true, false}) {
@@ -109,10 +105,10 @@ Eigen::MatrixXd calcNoiseProducts(const RunMotion& motion, const MountModel& mod
                 noise * noise * integrateTransfers(motion, part, equations.test_function, from_displacement);
             const Matrix6d& pose = from_displacement ? part.displacement_covariance : part.acceleration_covariance;
             for (Eigen::Index j = 0; j < count; ++j) {
-                const Sensitivity& a = sensitivities[static_cast<std::size_t>(j)];
+                const Sensitivity& a = sensitivities[j];
                 const Matrix6d weighted = pose * (mobile ? a.mobile : a.fixed).transpose() * weight;
                 for (Eigen::Index l = 0; l <= j; ++l) {
-                    const Sensitivity& b = sensitivities[static_cast<std::size_t>(l)];
+                    const Sensitivity& b = sensitivities[l];
                     const double transfer = transfers(a.derivative, b.derivative);
                     if (transfer == 0) continue;
                     products(j, l) += transfer * weighted.cwiseProduct((mobile ? b.mobile : b.fixed).transpose()).sum();

@@ -67,11 +67,11 @@ Balance calcBalance(const RunMotion& motion, const MountModel& model) {
         const Matrix3d R_GM = rotationFromVector(motion.mobile.theta.col(k));
         const Matrix3d R_GF = rotationFromVector(motion.fixed.theta.col(k));
         for (Eigen::Index i = 0; 3 * i < relative.q.cols(); ++i) {
-            const Connection& connection = model.connections[static_cast<std::size_t>(i)];
+            const Connection& connection = model.connections[i];
             Vector3d force;
             for (int axis = 0; axis < 3; ++axis) {
                 const Eigen::Index column = 3 * i + axis;
-                const AxisLaw& law = connection.axis.at(static_cast<std::size_t>(axis));
+                const AxisLaw& law = connection.axis.at(axis);
                 const Contact contact = calcContact(law, relative.q(k, column), relative.v(k, column));
                 force(axis) = law.stiffness * elastic(k, column) + law.damping * relative.v(k, column) + contact.force +
                               (laws.known_is_zero ? 0.0 : laws.known(k, column));
@@ -88,12 +88,11 @@ Balance calcBalance(const RunMotion& motion, const MountModel& model) {
 
 /// (translation of Mo, rotation) → displacement of each axis of each connection, at rest.
 Eigen::MatrixXd makePattern(const MountModel& model) {
-    Eigen::MatrixXd pattern(3 * static_cast<Eigen::Index>(model.connections.size()), 6);
+    Eigen::MatrixXd pattern(3 * model.connections.size(), 6);
     for (Eigen::Index i = 0; 3 * i < pattern.rows(); ++i)
         for (int axis = 0; axis < 3; ++axis) {
             const Vector3d e = Vector3d::Unit(axis);
-            pattern.row(3 * i + axis) << e.transpose(),
-                model.connections[static_cast<std::size_t>(i)].position.cross(e).transpose();
+            pattern.row(3 * i + axis) << e.transpose(), model.connections[i].position.cross(e).transpose();
         }
     return pattern;
 }
@@ -109,7 +108,7 @@ void cutRinging(RunMotion& motion) {
     const Eigen::Index kept =
         samples -
         std::min(samples / 4, static_cast<Eigen::Index>(ringing_periods / (motion.trusted_from * motion.interval)));
-    motion.time.resize(static_cast<std::size_t>(kept));
+    motion.time.resize(kept);
     for (PartMotion* part : {&motion.mobile, &motion.fixed})
         for (Eigen::Matrix3Xd* history : {&part->p, &part->theta, &part->v, &part->w, &part->a, &part->alpha})
             history->conservativeResize(Eigen::NoChange, kept);

@@ -25,9 +25,7 @@ bool isStopParameter(const Parameter& parameter) {
 }
 
 Stop& updStop(MountModel& model, const StopTerm& term) {
-    return model.connections[static_cast<std::size_t>(term.connection)]
-        .axis.at(static_cast<std::size_t>(term.axis))
-        .stops.at(static_cast<std::size_t>(term.stop));
+    return model.connections[term.connection].axis.at(term.axis).stops.at(term.stop);
 }
 
 }  // namespace
@@ -41,13 +39,11 @@ Solver::Solver(const std::vector<RunMotion>& motions, NormalEquations& equations
 }
 
 double Solver::calcReach(const StopTerm& term) const {
-    const double offset = model_.connections[static_cast<std::size_t>(term.connection)]
-                              .axis.at(static_cast<std::size_t>(term.axis))
-                              .offset;
+    const double offset = model_.connections[term.connection].axis.at(term.axis).offset;
     const bool positive = stopOf(model_, term).side == Side::positive;
     double reach = -1;
     for (const auto& run : equations_.runs()) {
-        const AxisHistory& history = run.axes[static_cast<std::size_t>(term.historyIndex())];
+        const AxisHistory& history = run.axes[term.historyIndex()];
         reach = std::max(reach, positive ? history.largest + offset : -history.smallest - offset);
     }
     return reach;
@@ -86,11 +82,11 @@ LinearSystem Solver::makeSystem(bool free_clearances) const {
         system.parameters.push_back(static_cast<int>(p));
         taking_part.push_back(parameter);
     }
-    const auto count = static_cast<Eigen::Index>(taking_part.size());
+    const Eigen::Index count = taking_part.size();
     system.scale.resize(count);
     Eigen::VectorXd distance(count);
     for (Eigen::Index j = 0; j < count; ++j) {
-        const Parameter& parameter = taking_part[static_cast<std::size_t>(j)];
+        const Parameter& parameter = taking_part[j];
         system.scale(j) = calcScale(base_, parameter);
         distance(j) = (getParameter(model_, parameter.name) - getParameter(base_, parameter.name)) / system.scale(j);
     }
@@ -148,15 +144,13 @@ double Solver::calcNoiseSquares() const {
 Eigen::VectorXd Solver::getParameters(const LinearSystem& system) const {
     Eigen::VectorXd values(system.scale.size());
     for (Eigen::Index j = 0; j < values.size(); ++j)
-        values(j) = getParameter(
-            model_, parameters_[static_cast<std::size_t>(system.parameters[static_cast<std::size_t>(j)])].name);
+        values(j) = getParameter(model_, parameters_[system.parameters[j]].name);
     return values;
 }
 
 void Solver::setParameters(const LinearSystem& system, const Eigen::VectorXd& values) {
     for (Eigen::Index j = 0; j < values.size(); ++j)
-        setParameter(model_, parameters_[static_cast<std::size_t>(system.parameters[static_cast<std::size_t>(j)])].name,
-                     values(j));
+        setParameter(model_, parameters_[system.parameters[j]].name, values(j));
 }
 
 void Solver::solveLinear() {
@@ -179,8 +173,7 @@ void Solver::solveAll() {
         for (int halving = 0; halving < 8; ++halving, length /= 2) {
             Eigen::VectorXd values = start + length * system.scale.cwiseProduct(step);
             for (Eigen::Index j = 0; j < values.size(); ++j) {
-                const auto& parameter =
-                    parameters_[static_cast<std::size_t>(system.parameters[static_cast<std::size_t>(j)])];
+                const auto& parameter = parameters_[system.parameters[j]];
                 if (parameter.kind != ParameterKind::clearance) continue;
                 const double reach = calcReach({parameter.connection, parameter.axis, parameter.stop});
                 values(j) = std::clamp(values(j), 0.26 * reach, 0.999 * reach);
@@ -319,7 +312,7 @@ Eigen::VectorXd Solver::calcResidual(std::size_t run) const {
 
 Eigen::MatrixXd Solver::makeSensitivityColumns(const LinearSystem& system) const {
     std::vector<Parameter> taking_part;
-    for (const int p : system.parameters) taking_part.push_back(parameters_[static_cast<std::size_t>(p)]);
+    for (const int p : system.parameters) taking_part.push_back(parameters_[p]);
     return equations_.makeJacobian(model_, taking_part) * system.scale.asDiagonal();
 }
 
@@ -341,11 +334,11 @@ double Solver::findNoticedClearance(const StopTerm& term) {
         equations_.setStops(model_, with);
         const LinearSystem system = makeSystem(false);
         for (std::size_t j = 0; j < system.parameters.size(); ++j) {
-            const auto& parameter = parameters_[static_cast<std::size_t>(system.parameters[j])];
+            const auto& parameter = parameters_[system.parameters[j]];
             if (parameter.kind != ParameterKind::stop_stiffness ||
                 !sameStop(term, {parameter.connection, parameter.axis, parameter.stop}))
                 continue;
-            const auto k = static_cast<Eigen::Index>(j);
+            const Eigen::Index k = j;
             if ((system.inverse(k, k) + system.open(k, k)) * kNoticed < 1)
                 noticed = share * reach;  // for the model's own stiffness
         }

@@ -27,7 +27,7 @@ StopColumn makeStopColumn(const AxisHistory& history, const TestFunction& test_f
              ++output)
             column.output.push_back(output);
     }
-    const auto count = static_cast<Eigen::Index>(column.output.size());
+    const Eigen::Index count = column.output.size();
     column.value.setZero(6, count);
     column.slope.setZero(6, count);
     column.contact_share = static_cast<double>(contacts.size()) / std::max(1, outputs * stride);
@@ -36,10 +36,9 @@ StopColumn makeStopColumn(const AxisHistory& history, const TestFunction& test_f
         const int first = std::max(0, (contact.sample - last_tap + stride - 1) / stride);
         while (slot < column.output.size() && column.output[slot] < first) ++slot;
         for (std::size_t n = slot; n < column.output.size() && column.output[n] * stride <= contact.sample; ++n) {
-            const double tap =
-                test_function.value()[static_cast<std::size_t>(contact.sample - column.output[n] * stride)];
-            column.value.col(static_cast<Eigen::Index>(n)) += tap * contact.value * history.pattern.col(contact.index);
-            column.slope.col(static_cast<Eigen::Index>(n)) += tap * contact.slope * history.pattern.col(contact.index);
+            const double tap = test_function.value()[contact.sample - column.output[n] * stride];
+            column.value.col(n) += tap * contact.value * history.pattern.col(contact.index);
+            column.slope.col(n) += tap * contact.slope * history.pattern.col(contact.index);
         }
     }
     if (count > 0 && outputs > 0) {

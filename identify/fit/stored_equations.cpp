@@ -70,7 +70,7 @@ public:
         Eigen::Index rows = 0, columns = 0;
         (*this)(rows);
         (*this)(columns);
-        const auto most = static_cast<Eigen::Index>(rest_.size() / sizeof(Scalar));
+        const Eigen::Index most = rest_.size() / sizeof(Scalar);
         if (rows < 0 || columns < 0 || (Rows != Eigen::Dynamic && rows != Rows) ||
             (Columns != Eigen::Dynamic && columns != Columns) || (columns > 0 && rows > most / columns))
             fail();

@@ -17,9 +17,8 @@ double calcSpline(double x, int derivative) {
     constexpr std::array<double, 4> binomial{1, -6, 15, -20};
     constexpr std::array<double, 3> factorial{120, 24, 6};
     double sum = 0;
-    for (int k = 0; k < 4 && y > k; ++k)
-        sum += binomial.at(static_cast<std::size_t>(k)) * std::pow(y - k, 5 - derivative);
-    return sign * sum / factorial.at(static_cast<std::size_t>(derivative));
+    for (int k = 0; k < 4 && y > k; ++k) sum += binomial.at(k) * std::pow(y - k, 5 - derivative);
+    return sign * sum / factorial.at(derivative);
 }
 
 }  // namespace

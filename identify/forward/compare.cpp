@@ -120,16 +120,15 @@ Eigen::VectorXd interpolateRow(const RelativeDisplacement& simulated, Eigen::Ind
     const Eigen::RowVectorXd values = simulated.q.row(row);
     const std::vector<double> samples(values.begin(), values.end());
     const double interval = simulated.interval();
-    Eigen::VectorXd result(static_cast<Eigen::Index>(window.count));
+    Eigen::VectorXd result(window.count);
     for (std::size_t k = 0; k < window.count; ++k) {
         const double position = (time[window.first + k] - simulated.time.front()) / interval;
         const auto nearest = static_cast<std::size_t>(std::lround(std::max(0.0, position)));
         if (nearest < samples.size() && std::abs(position - static_cast<double>(nearest)) < 1e-6) {
-            result[static_cast<Eigen::Index>(k)] = samples[nearest];
+            result[k] = samples[nearest];
         } else {
             const auto below = std::min(static_cast<std::size_t>(std::max(0.0, position)), samples.size() - 2);
-            result[static_cast<Eigen::Index>(k)] =
-                interpolateCubic(simulated.time, samples, below, time[window.first + k]);
+            result[k] = interpolateCubic(simulated.time, samples, below, time[window.first + k]);
         }
     }
     return result;
@@ -151,17 +150,17 @@ double ErrorSum::value() const {
 }
 
 std::vector<bool> findContact(const Eigen::MatrixXd& q, const MountModel& model) {
-    std::vector<bool> touched(static_cast<std::size_t>(q.cols()), false);
+    std::vector<bool> touched(q.cols(), false);
     const Eigen::VectorXd rest = calcRestDisplacement(model);
     for (std::size_t i = 0; i < model.connections.size(); ++i) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto row = static_cast<Eigen::Index>(3 * i + axis);
+            const Eigen::Index row = 3 * i + axis;
             const AxisLaw& law = model.connections[i].axis[axis];
             for (const Stop& stop : law.stops) {
                 const double direction = stop.side == Side::positive ? 1 : -1;
                 const double threshold = stop.clearance - direction * (law.offset + rest[row]);
                 for (Eigen::Index k = 0; k < q.cols(); ++k)
-                    if (direction * q(row, k) > threshold) touched[static_cast<std::size_t>(k)] = true;
+                    if (direction * q(row, k) > threshold) touched[k] = true;
             }
         }
     }
@@ -190,18 +189,18 @@ Comparison compare(RelativeDisplacement measured, RelativeDisplacement simulated
     const std::vector<BandError> bands = makeBands(measured.swept_frequency);
     Sums total(bands.size());
     for (std::size_t channel = 0; channel < measured.names.size(); ++channel) {
-        const auto row = static_cast<Eigen::Index>(channel);
+        const Eigen::Index row = channel;
         const Eigen::VectorXd values =
             interpolateRow(simulated, findRow(simulated, measured.names[channel]), measured.time, window);
         result.simulated.row(row) = values.transpose();
         Sums sums(bands.size());
         for (std::size_t k = 0; k < window.count; ++k) {
             const std::size_t sample = window.first + k;
-            const double reference = measured.q(row, static_cast<Eigen::Index>(sample));
-            const double difference = values[static_cast<Eigen::Index>(k)] - reference;
+            const double reference = measured.q(row, sample);
+            const double difference = values[k] - reference;
             sums.all.add(difference, reference);
             if (!touched.empty()) (touched[sample] ? sums.contact : sums.free).add(difference, reference);
-            const std::size_t band = findBand(bands, measured.swept_frequency[static_cast<Eigen::Index>(sample)]);
+            const std::size_t band = findBand(bands, measured.swept_frequency[sample]);
             if (band < bands.size()) sums.band[band].add(difference, reference);
         }
         total.add(sums);

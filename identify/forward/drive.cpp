@@ -192,7 +192,7 @@ Drive Drive::makeFixedMotion(const std::vector<double>& time, const PartMotion& 
     Eigen::Matrix3Xd rotation_rate(3, fixed.w.cols());
     for (Eigen::Index k = 0; k < fixed.w.cols(); ++k)
         rotation_rate.col(k) = interval * leftJacobian(fixed.theta.col(k)).inverse() * fixed.w.col(k);
-    drive.frames_.resize(static_cast<std::size_t>(grid.halfSteps()));
+    drive.frames_.resize(grid.halfSteps());
     for (int half = 0; half < grid.halfSteps(); ++half) {
         const Position at = locate(time, grid.halfStepTime(half));
         if (!at.inside) throw std::invalid_argument("Drive::makeFixedMotion: the grid leaves the recorded time");
@@ -204,7 +204,7 @@ Drive Drive::makeFixedMotion(const std::vector<double>& time, const PartMotion& 
         frame.p_GF = combine(value, fixed.p, velocity, at.interval);
         frame.v_GF = combine(slope, fixed.p, velocity, at.interval) / interval;
         frame.w_GF = leftJacobian(theta) * combine(slope, fixed.theta, rotation_rate, at.interval) / interval;
-        drive.frames_[static_cast<std::size_t>(half)] = makeFrameRow(frame);
+        drive.frames_[half] = makeFrameRow(frame);
     }
     return drive;
 }

@@ -67,7 +67,7 @@ public:
     /// All tables as the integrator reads them; refers to this object.
     DriveRows rows() const;
     /// Motion of F at a table row; prescribesMotion() only.
-    FrameMotion frame(int half) const { return makeFrameMotion(frames_[static_cast<std::size_t>(half)]); }
+    FrameMotion frame(int half) const { return makeFrameMotion(frames_[half]); }
     /// Its acceleration, by differences of the tabulated velocities; prescribesMotion() only.
     Bracket::FrameAcceleration calcFrameAcceleration(int half) const;
     /// Time since the start of the recording (s), which drift counts from.

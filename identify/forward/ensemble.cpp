@@ -34,7 +34,7 @@ struct Passenger {
 
 void runTogether(const LaneProgram& program, std::vector<Passenger>& passengers, const Drive& drive, int first_sample,
                  int sample_count) {
-    const auto lanes = static_cast<std::size_t>(program.lanes);
+    const std::size_t lanes = program.lanes;
     const KernelModel& kernel = passengers.front().model->kernel();
     const std::size_t count = kernel.constants().size();
     AlignedNumbers constants(count * lanes);

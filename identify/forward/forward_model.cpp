@@ -33,7 +33,7 @@ bool hasForceAtRest(const MountModel& model) {
 ForwardModel::ForwardModel(MountModel model)
     : model_(std::move(model)), forces_(model_), bracket_(model_.bracket), guide_(model_.body), kernel_(model_) {
     const Eigen::Index modes = modeCount();
-    rest_displacement_ = Vector::Zero(3 * static_cast<Eigen::Index>(forces_.connectionCount()));
+    rest_displacement_ = Vector::Zero(3 * forces_.connectionCount());
     if (model_.gravity.isZero() && !hasForceAtRest(model_)) {
         rest_.eta = Vector::Zero(modes);
         rest_.internal = Vector::Zero(forces_.stateCount());
@@ -44,8 +44,8 @@ ForwardModel::ForwardModel(MountModel model)
         rest_.internal = equilibrium.states;
         const FrameMotion frame = modes > 0 ? bracket_.calcMotion(rest_.eta, Vector::Zero(modes)) : FrameMotion();
         for (int i = 0; i < forces_.connectionCount(); ++i)
-            rest_displacement_.segment<3>(3 * static_cast<Eigen::Index>(i)) =
-                calcRelativeMotion(rest_.mobile, frame, model_.connections[static_cast<std::size_t>(i)].position).q;
+            rest_displacement_.segment<3>(3 * i) =
+                calcRelativeMotion(rest_.mobile, frame, model_.connections[i].position).q;
     }
     rest_.eta_dot = Vector::Zero(modes);
 }
@@ -230,7 +230,7 @@ Simulation ForwardModel::simulate(const Drive& drive, const ForwardState& initia
     }
     const StepPlan plan = kernel_.makePlan(drive, first_sample, sample_count);
     const MountKernel<double> kernel = kernel_.makeKernel(kernel_.constants().data(), drive.prescribesMotion());
-    std::vector<double> work(static_cast<std::size_t>(plan.workSize(kernel.connections)));
+    std::vector<double> work(plan.workSize(kernel.connections));
     if (guide_.active()) {
         Stepper<double, 1, Guides>(kernel, plan, Guides(*this, drive), &lane_run, work.data()).run();
     } else {

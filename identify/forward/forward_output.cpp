@@ -49,7 +49,7 @@ MarkerMotion ForwardModel::calcMarkers(const Simulation& simulation, const Drive
         const Eigen::Vector3d cog(Eigen::Map<const Eigen::Vector3d>(rates + at_velocity) + base);
         const Eigen::Vector3d angular = body.R_GM * Eigen::Map<const Eigen::Vector3d>(rates + at_angular);
         for (Eigen::Index i = 0; 3 * i < rows; ++i) {
-            const Eigen::Vector3d& r = model_.connections[static_cast<std::size_t>(i)].position;
+            const Eigen::Vector3d& r = model_.connections[i].position;
             const Eigen::Vector3d fixed_arm = frame.R_GF * r;
             markers.mobile_displacement.block<3, 1>(3 * i, k) =
                 table + body.p_GM + body.R_GM * r - (rest_.mobile.p_GM + rest_.mobile.R_GM * r);

@@ -101,11 +101,11 @@ ForwardState makeState(const ForwardModel& forward, const StartMotion& start, co
     state.mobile = start.mobile;
     const std::vector<BracketMode>& modes = forward.model().bracket;
     if (drive.prescribesMotion() || modes.empty()) return state;
-    const auto count = static_cast<Eigen::Index>(modes.size());
+    const Eigen::Index count = modes.size();
     Eigen::MatrixXd shape(6, count);
     Eigen::VectorXd omega(count);
     for (Eigen::Index j = 0; j < count; ++j) {
-        const BracketMode& mode = modes[static_cast<std::size_t>(j)];
+        const BracketMode& mode = modes[j];
         shape.col(j) << mode.translation, mode.rotation;
         omega[j] = kTwoPi * mode.frequency;
     }

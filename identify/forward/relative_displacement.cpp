@@ -25,8 +25,8 @@ void addSweep(const Recording& uniform, RelativeDisplacement& result) {
     result.swept_frequency = swept.hertz;
     result.lowest_frequency = swept.lowest;
     if (result.swept_frequency.size() != static_cast<Eigen::Index>(result.time.size()))
-        result.swept_frequency = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(result.time.size()),
-                                                           std::numeric_limits<double>::quiet_NaN());
+        result.swept_frequency =
+            Eigen::VectorXd::Constant(result.time.size(), std::numeric_limits<double>::quiet_NaN());
 }
 
 /// Displacement of one axis of one point: as recorded, or integrated from its acceleration.
@@ -35,7 +35,7 @@ struct Axis {
     bool integrated = false;
 };
 bool findAxis(const Recording& recording, ChannelName name, double lowest, Axis& axis) {
-    const auto samples = static_cast<Eigen::Index>(recording.sampleCount());
+    const Eigen::Index samples = recording.sampleCount();
     name.derivative = Derivative::displacement;
     if (const Channel* channel = recording.find(formatChannelName(name))) {
         axis = {Eigen::Map<const Eigen::RowVectorXd>(channel->values.data(), samples), false};
@@ -79,7 +79,7 @@ Eigen::VectorXd calcRestDisplacement(const MountModel& model) {
     FrameMotion frame;
     if (!model.bracket.empty())
         frame = Bracket(model.bracket).calcMotion(rest.eta, Eigen::VectorXd::Zero(rest.eta.size()));
-    Eigen::VectorXd displacement(3 * static_cast<Eigen::Index>(model.connections.size()));
+    Eigen::VectorXd displacement(3 * model.connections.size());
     Eigen::Index row = 0;
     for (const Connection& connection : model.connections) {
         displacement.segment<3>(row) = calcRelativeMotion(rest.mobile, frame, connection.position).q;
@@ -95,7 +95,7 @@ RelativeDisplacement calcRelativeDisplacement(const RunMotion& run, const MountM
     result.notes = run.notes;
     result.from_accelerations = !run.mobile.displacement_measured || run.fixed_trusted_from > 0;
     const auto samples = static_cast<Eigen::Index>(run.time.size());
-    const auto connections = static_cast<Eigen::Index>(model.connections.size());
+    const Eigen::Index connections = model.connections.size();
     result.q.resize(3 * connections, samples);
     const PartMotion mobile = matchBand(run, model);
     for (Eigen::Index k = 0; k < samples; ++k) {
@@ -103,7 +103,7 @@ RelativeDisplacement calcRelativeDisplacement(const RunMotion& run, const MountM
         const Eigen::Matrix3d R_FM = R_FG * rotationFromVector(mobile.theta.col(k));
         const Eigen::Vector3d p_FM = R_FG * (mobile.p.col(k) - run.fixed.p.col(k));
         for (Eigen::Index i = 0; i < connections; ++i) {
-            const Eigen::Vector3d& r = model.connections[static_cast<std::size_t>(i)].position;
+            const Eigen::Vector3d& r = model.connections[i].position;
             result.q.block<3, 1>(3 * i, k) = p_FM + R_FM * r - r;
         }
     }
@@ -149,8 +149,8 @@ RelativeDisplacement calcRelativeDisplacement(const Recording& recording) {
     if (rows.empty())
         throw InputError({recording.file, 0, "mobile"}, "no displacement or acceleration of the mobile part",
                          "mobile.<connection>.<x|y|z|ax|ay|az>");
-    result.q.resize(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(result.time.size()));
-    for (std::size_t i = 0; i < rows.size(); ++i) result.q.row(static_cast<Eigen::Index>(i)) = rows[i];
+    result.q.resize(rows.size(), result.time.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) result.q.row(i) = rows[i];
     if (mobile_alone) result.notes.emplace_back("no channels of the fixed part: the mobile part alone is compared");
     return result;
 }

@@ -38,7 +38,7 @@ ShootingWindow makeWholeRun(const Drive& drive) {
 Eigen::MatrixXd calcJacobian(const MountModel& model, const Drive& drive, const ShootingWindow& window,
                              const std::vector<std::string>& names, double fraction) {
     Eigen::MatrixXd jacobian(3 * static_cast<Eigen::Index>(model.connections.size()) * window.sample_count,
-                             static_cast<Eigen::Index>(names.size()));
+                             names.size());
     for (std::size_t from = 0; from < names.size(); from += parameters_at_once) {
         const std::size_t to = std::min(names.size(), from + parameters_at_once);
         std::vector<MountModel> models;
@@ -47,8 +47,7 @@ Eigen::MatrixXd calcJacobian(const MountModel& model, const Drive& drive, const 
         const std::vector<Eigen::MatrixXd> q = simulateAll(models, drive, window);
         for (std::size_t j = from; j < to; ++j) {
             const std::size_t down = 2 * (j - from);
-            jacobian.col(static_cast<Eigen::Index>(j)) =
-                (q[down + 1] - q[down]).reshaped() / (2 * fraction * parameterScale(model, names[j]));
+            jacobian.col(j) = (q[down + 1] - q[down]).reshaped() / (2 * fraction * parameterScale(model, names[j]));
         }
     }
     return jacobian;

@@ -46,7 +46,7 @@ double calcLargestEigenvalue(const Eigen::MatrixXd& matrix) {
 }  // namespace
 
 FastestRates calcFastestRates(const MountModel& model) {
-    const auto modes = static_cast<Eigen::Index>(model.bracket.size());
+    const Eigen::Index modes = model.bracket.size();
     // Columns scaled by mass^-1/2, so that the eigenvalues of K and C are those of M^-1 K and M^-1 C.
     const Eigen::LLT<Eigen::Matrix3d> inertia(model.body.inertia);
     const Eigen::Matrix3d inverse_root = inertia.matrixL().solve(Eigen::Matrix3d::Identity());
@@ -59,11 +59,11 @@ FastestRates calcFastestRates(const MountModel& model) {
         J.middleCols<3>(3) =
             -crossMatrix(connection.position - model.body.center_of_gravity) * inverse_root.transpose();
         for (Eigen::Index j = 0; j < modes; ++j) {
-            const BracketMode& mode = model.bracket[static_cast<std::size_t>(j)];
+            const BracketMode& mode = model.bracket[j];
             J.col(6 + j) = -(mode.translation + mode.rotation.cross(connection.position));
         }
         for (int axis = 0; axis < 3; ++axis) {
-            const AxisForce force(connection.axis[static_cast<std::size_t>(axis)]);
+            const AxisForce force(connection.axis[axis]);
             stiffness += calcLargestStiffness(force) * J.row(axis).transpose() * J.row(axis);
             damping += calcLargestDamping(force.law()) * J.row(axis).transpose() * J.row(axis);
             for (const MaxwellBranch& branch : force.branches())
@@ -71,7 +71,7 @@ FastestRates calcFastestRates(const MountModel& model) {
         }
     }
     for (Eigen::Index j = 0; j < modes; ++j) {
-        const BracketMode& mode = model.bracket[static_cast<std::size_t>(j)];
+        const BracketMode& mode = model.bracket[j];
         const double omega = kTwoPi * mode.frequency;
         stiffness(6 + j, 6 + j) += omega * omega;
         damping(6 + j, 6 + j) += 2 * mode.damping_ratio * omega;

@@ -97,9 +97,8 @@ std::vector<bool> findReachedStops(const Recording& recording, const MountModel&
     std::vector<bool> reached;
     for (std::size_t i = 0; i < model.connections.size(); ++i) {
         for (int axis = 0; axis < 3; ++axis) {
-            const AxisLaw& law = model.connections[i].axis.at(static_cast<std::size_t>(axis));
-            const Eigen::RowVectorXd q =
-                relative.q.row(3 * static_cast<Eigen::Index>(i) + axis).array() + law.offset;  // from mid-gap
+            const AxisLaw& law = model.connections[i].axis.at(axis);
+            const Eigen::RowVectorXd q = relative.q.row(3 * i + axis).array() + law.offset;  // from mid-gap
             for (const Stop& stop : law.stops)
                 reached.push_back((stop.side == Side::positive ? q.maxCoeff() : -q.minCoeff()) > stop.clearance);
         }

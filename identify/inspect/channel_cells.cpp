@@ -82,8 +82,7 @@ public:
         while (length_ * kSegmentsWanted / 2 < recording.sampleCount()) length_ *= 2;
         for (std::size_t c = 0; c < channels.size(); ++c) {
             const bool differs = channels[c].derivative == Derivative::displacement;
-            const Eigen::Map<const Eigen::VectorXd> signal(values[c]->data(),
-                                                           static_cast<Eigen::Index>(values[c]->size()));
+            const Eigen::Map<const Eigen::VectorXd> signal(values[c]->data(), values[c]->size());
             noise_.push_back(estimateNoiseFromSignal(signal));
             spectra_.push_back(transformSegments(differs ? differTwice(*values[c], interval_) : *values[c], length_));
             share_.push_back(1);
@@ -154,7 +153,7 @@ private:
     }
 
     Cell makeCell(std::size_t segment, std::size_t from, std::size_t to) const {
-        const auto n = static_cast<Eigen::Index>(spectra_.size());
+        const Eigen::Index n = spectra_.size();
         Cell cell;
         const double middle = 0.5 * static_cast<double>(spectra_.front().size() - 1);
         cell.time = (static_cast<double>(segment) - middle) * 0.5 * static_cast<double>(length_) * interval_;
@@ -165,7 +164,7 @@ private:
             const double omega = omegaOf(bin), difference = correctDifference(omega, interval_);
             Eigen::VectorXcd X(n);
             for (Eigen::Index c = 0; c < n; ++c) {
-                const auto i = static_cast<std::size_t>(c);
+                const std::size_t i = c;
                 const bool differs = channels_[i].derivative == Derivative::displacement;
                 X[c] = (differs ? difference : 1.0) * spectra_[i][segment][bin];
                 cell.noise[c] += noisePower(i, omega);
@@ -197,16 +196,15 @@ PartCells collectCells(const Recording& recording, const MountModel& model, Part
         const Eigen::MatrixXd design = makeDesign(set.channels, Eigen::Vector3d::Zero(), kArm);
         for (std::size_t i = 0; i < set.channels.size(); ++i) {
             const MarkerChannel& marker = set.channels[i];
-            result.channels.push_back({marker.name, marker.name.substr(0, marker.name.rfind('.')), derivative,
-                                       marker.axis, design.row(static_cast<Eigen::Index>(i))});
+            result.channels.push_back(
+                {marker.name, marker.name.substr(0, marker.name.rfind('.')), derivative, marker.axis, design.row(i)});
             values.push_back(&recording.find(marker.name)->values);
         }
     }
     if (part == Part::fixed && model.bracket.empty()) addBase(recording, result.channels, values);
     if (result.channels.empty() || recording.sampleCount() < 4 * kLeastLength) return result;
-    Eigen::MatrixXd design(static_cast<Eigen::Index>(result.channels.size()), 6);
-    for (std::size_t c = 0; c < result.channels.size(); ++c)
-        design.row(static_cast<Eigen::Index>(c)) = result.channels[c].row;
+    Eigen::MatrixXd design(result.channels.size(), 6);
+    for (std::size_t c = 0; c < result.channels.size(); ++c) design.row(c) = result.channels[c].row;
     constexpr double kDetermined = 1e-6;  // of the largest singular value
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(design);
     qr.setThreshold(kDetermined);

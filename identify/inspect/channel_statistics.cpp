@@ -38,8 +38,7 @@ void ChannelLevels::addMoments(const Eigen::Ref<const Eigen::VectorXd>& signal) 
 }
 
 void ChannelLevels::add(const Channel& channel, double interval) {
-    const Eigen::Map<const Eigen::VectorXd> signal(channel.values.data(),
-                                                   static_cast<Eigen::Index>(channel.values.size()));
+    const Eigen::Map<const Eigen::VectorXd> signal(channel.values.data(), channel.values.size());
     const bool is_first = count_ == 0;
     name_ = channel.name;
     addMoments(signal.tail(signal.size() - (is_first ? 0 : 1)));

@@ -25,7 +25,7 @@ struct WeighedCell {
     /// Projection on rigid motions, as `telling` tells of them.
     Eigen::MatrixXd project(const Eigen::MatrixXd& telling) const { return B * normal.solve(telling.transpose()); }
     static Eigen::MatrixXd mute(Eigen::MatrixXd rows, const std::vector<std::size_t>& muted) {
-        for (const std::size_t c : muted) rows.row(static_cast<Eigen::Index>(c)).setZero();
+        for (const std::size_t c : muted) rows.row(c).setZero();
         return rows;
     }
 };
@@ -38,7 +38,7 @@ std::size_t kindOf(const PartCells& part, std::size_t channel) {
 std::array<double, 2> findLevels(const PartCells& part, const PartState& state, const Cell& cell) {
     std::array<std::vector<double>, 2> powers;
     for (std::size_t c = 0; c < state.size(); ++c) {
-        const auto i = static_cast<Eigen::Index>(c);
+        const Eigen::Index i = c;
         powers[kindOf(part, c)].push_back(cell.S(i, i).real() / std::pow(state[c].factor, 2));
     }
     std::array<double, 2> levels{0, 0};
@@ -54,15 +54,15 @@ std::array<double, 2> findLevels(const PartCells& part, const PartState& state, 
 /// @param muted channels that must not tell of the motion; may be empty
 WeighedCell weighCell(const PartCells& part, const PartState& state, const Cell& cell,
                       const std::vector<std::size_t>& muted = {}) {
-    const auto n = static_cast<Eigen::Index>(part.channels.size());
+    const Eigen::Index n = part.channels.size();
     WeighedCell weighed;
     weighed.B.resize(n, 6);
     Eigen::VectorXcd scale(n);
     const std::array<double, 2> levels = findLevels(part, state, cell);
     for (Eigen::Index c = 0; c < n; ++c) {
-        const ChannelState& channel = state[static_cast<std::size_t>(c)];
+        const ChannelState& channel = state[c];
         const double own = (cell.noise[c] + kOwnFloor * kOwnFloor * cell.S(c, c).real()) / std::pow(channel.factor, 2);
-        const double others = kOthersFloor * kOthersFloor * levels[kindOf(part, static_cast<std::size_t>(c))];
+        const double others = kOthersFloor * kOthersFloor * levels[kindOf(part, c)];
         const double sum = own + others, weight = sum > 0 ? 1 / std::sqrt(sum) : 0;
         weighed.B.row(c) = weight * part.channels[channel.row].row;
         scale[c] = std::polar(weight / channel.factor, cell.omega * (channel.delay + channel.drift * cell.time));
@@ -101,7 +101,7 @@ std::vector<ChannelOutlook> lookAhead(const PartCells& part, const PartState& st
         const Eigen::VectorXd power = (left * outside.transpose()).diagonal().real();  // ⟨e e*⟩
         const double all = left.real().trace();
         for (std::size_t i = 0; i < n; ++i) {
-            const auto c = static_cast<Eigen::Index>(i);
+            const Eigen::Index c = i;
             const double leverage = outside(c, c), own = weighed.S(c, c).real();
             // The forecast is y − e / (1 − h).
             const double without = std::max(0.0, all - (leverage > 0 ? power[c] / leverage : 0));
@@ -125,7 +125,7 @@ std::vector<Forecast> forecastGroup(const PartCells& part, const PartState& stat
         std::complex<double> common = 0;
         double power = 0;
         for (const std::size_t i : members) {
-            const auto c = static_cast<Eigen::Index>(i);
+            const Eigen::Index c = i;
             const Eigen::RowVectorXd h = H.row(c);
             const Eigen::VectorXcd crossed = weighed.S * h.transpose().cast<std::complex<double>>();  // ⟨y T̂*⟩
             common += crossed[c];

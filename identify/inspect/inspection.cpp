@@ -28,8 +28,7 @@ std::vector<Finding> findDefects(const Recording& recording, const SweptFrequenc
     if (recording.sampleCount() < least_samples) return findings;
     const double interval = recording.sampleInterval();
     for (const Channel& channel : recording.channels) {
-        const Eigen::Map<const Eigen::VectorXd> signal(channel.values.data(),
-                                                       static_cast<Eigen::Index>(channel.values.size()));
+        const Eigen::Map<const Eigen::VectorXd> signal(channel.values.data(), channel.values.size());
         const double noise = estimateNoiseFromSignal(signal);
         const bool clipped = std::any_of(findings.begin(), findings.end(), [&](const Finding& finding) {
             return finding.kind == FindingKind::clipped && finding.channel == channel.name;

@@ -17,7 +17,7 @@ constexpr int unknowns = 1 + 2 * tracked_orders;
 std::vector<double> integratePhase(const std::vector<double>& time, const Eigen::VectorXd& hertz) {
     std::vector<double> phase(time.size(), 0.0);
     for (std::size_t k = 1; k < time.size(); ++k) {
-        const auto i = static_cast<Eigen::Index>(k);
+        const Eigen::Index i = k;
         const double f = 0.5 * (hertz[i] + hertz[i - 1]);
         phase[k] = phase[k - 1] + (std::isfinite(f) ? kTwoPi * f * (time[k] - time[k - 1]) : 0.0);
     }
@@ -37,7 +37,7 @@ std::vector<std::size_t> choosePoints(const SweptFrequency& swept, int points) {
         const double distance = sweeps ? step : static_cast<double>(n) / points;
         if (std::isfinite(last) && std::abs(x - last) < distance) continue;
         last = x;
-        samples.push_back(static_cast<std::size_t>(k));
+        samples.push_back(k);
     }
     return samples;
 }
@@ -64,8 +64,7 @@ const Channel* findReference(const Recording& recording, const SweptFrequency& s
     for (const Channel& channel : recording.channels) {
         const auto name = parseChannelName(channel.name);
         if (!name || !isOfSource(*name, swept.source)) continue;
-        const Eigen::Map<const Eigen::VectorXd> values(channel.values.data(),
-                                                       static_cast<Eigen::Index>(channel.values.size()));
+        const Eigen::Map<const Eigen::VectorXd> values(channel.values.data(), channel.values.size());
         const double power = (values.array() - values.mean()).square().sum();
         if (power > largest) {
             largest = power;
@@ -82,10 +81,10 @@ OrderTracking trackOrders(const Recording& recording, const SweptFrequency& swep
     if (!swept.is_sine) return result;
     const auto samples = choosePoints(swept, points);
     const auto phase = integratePhase(recording.time, swept.hertz);
-    const auto count = static_cast<Eigen::Index>(samples.size());
+    const Eigen::Index count = samples.size();
     for (const std::size_t k : samples) {
         result.time.push_back(recording.time[k]);
-        result.hertz.push_back(swept.hertz[static_cast<Eigen::Index>(k)]);
+        result.hertz.push_back(swept.hertz[k]);
     }
     const double nothing = std::numeric_limits<double>::quiet_NaN();
     for (const Channel& channel : recording.channels)
@@ -93,11 +92,10 @@ OrderTracking trackOrders(const Recording& recording, const SweptFrequency& swep
                                  Eigen::MatrixXd::Constant(tracked_orders, count, nothing)});
     const double interval = recording.sampleInterval();
     for (Eigen::Index p = 0; p < count; ++p) {
-        const std::size_t k = samples[static_cast<std::size_t>(p)];
-        const auto half =
-            static_cast<std::size_t>(0.5 * window_periods / (result.hertz[static_cast<std::size_t>(p)] * interval));
+        const std::size_t k = samples[p];
+        const auto half = static_cast<std::size_t>(0.5 * window_periods / (result.hertz[p] * interval));
         if (half < static_cast<std::size_t>(unknowns) || k < half || k + half >= recording.time.size()) continue;
-        const auto rows = static_cast<Eigen::Index>(2 * half + 1);
+        const Eigen::Index rows = 2 * half + 1;
         Eigen::MatrixXd design(rows, unknowns);
         for (Eigen::Index i = 0; i < rows; ++i) {
             const double angle = phase[k - half + static_cast<std::size_t>(i)];
@@ -121,7 +119,7 @@ OrderTracking trackOrders(const Recording& recording, const SweptFrequency& swep
     const Channel* reference = findReference(recording, swept);
     if (reference == nullptr) return result;
     result.reference = reference->name;
-    const auto index = static_cast<std::size_t>(reference - recording.channels.data());
+    const std::size_t index = reference - recording.channels.data();
     const Eigen::RowVectorXd zero = result.tracks[index].phase.row(0);
     for (OrderTrack& track : result.tracks) {
         for (int order = 1; order <= tracked_orders; ++order) {

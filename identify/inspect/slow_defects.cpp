@@ -147,8 +147,7 @@ Hum findHum(const Eigen::VectorXd& signal, double interval, double noise, const 
 std::vector<Finding> findSlowDefects(const Channel& channel, double interval, double noise, const SweptFrequency& swept,
                                      const std::vector<double>& time, long row) {
     std::vector<Finding> findings;
-    const Eigen::VectorXd signal =
-        Eigen::Map<const Eigen::VectorXd>(channel.values.data(), static_cast<Eigen::Index>(channel.values.size()));
+    const Eigen::VectorXd signal = Eigen::Map<const Eigen::VectorXd>(channel.values.data(), channel.values.size());
     const double rms = std::sqrt((signal.array() - signal.mean()).square().mean());
     if (!(rms > 0)) return findings;
     const auto add = [&](FindingKind kind, const std::string& what) {

@@ -20,11 +20,11 @@ MarkerChannel makeMarker(const std::string& channel, const ChannelName& name, co
     const int place_index = model.placeIndex(name);
     if (place_index < 0) {
         marker.index = model.connectionIndex(name.connection);
-        marker.position = model.connections[static_cast<std::size_t>(marker.index)].position;
+        marker.position = model.connections[marker.index].position;
         marker.direction = Eigen::Vector3d::Unit(name.axis);
         return marker;
     }
-    const SensorPlace& place = model.places[static_cast<std::size_t>(place_index)];
+    const SensorPlace& place = model.places[place_index];
     marker.index = static_cast<int>(model.connections.size()) + place_index;
     marker.position = place.position;
     marker.direction = place.direction(name.axis);
@@ -36,7 +36,7 @@ MarkerChannel makeMarker(const std::string& channel, const ChannelName& name, co
 void setWeights(std::vector<FoundChannel>& found, const MountModel& model) {
     const auto noiseOf = [&](const MarkerChannel& marker) {
         const int place = marker.index - static_cast<int>(model.connections.size());
-        return place < 0 ? 0.0 : model.places[static_cast<std::size_t>(place)].noise;
+        return place < 0 ? 0.0 : model.places[place].noise;
     };
     double least = 0;
     for (const auto& [marker, channel] : found) {
@@ -79,8 +79,8 @@ ChannelSet collectChannels(const Recording& recording, const MountModel& model, 
         return std::pair(a.first.index, a.first.axis) < std::pair(b.first.index, b.first.axis);
     });
     setWeights(found, model);
-    const auto samples = static_cast<Eigen::Index>(recording.sampleCount());
-    set.values.resize(static_cast<Eigen::Index>(found.size()), samples);
+    const Eigen::Index samples = recording.sampleCount();
+    set.values.resize(found.size(), samples);
     for (const auto& [marker, channel] : found) {
         const auto bad = std::find_if_not(channel->values.begin(), channel->values.end(),
                                           [](double value) { return std::isfinite(value); });
@@ -94,7 +94,7 @@ ChannelSet collectChannels(const Recording& recording, const MountModel& model, 
     for (Eigen::Index start = 0; start < samples; start += block) {
         const Eigen::Index count = std::min(block, samples - start);
         for (std::size_t i = 0; i < found.size(); ++i)
-            set.values.row(static_cast<Eigen::Index>(i)).segment(start, count) =
+            set.values.row(i).segment(start, count) =
                 Eigen::Map<const Eigen::RowVectorXd>(found[i].second->values.data() + start, count);
     }
     return set;

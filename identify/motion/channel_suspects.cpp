@@ -73,7 +73,7 @@ private:
                 exchange.channel = c;
                 exchange.other = other;
                 exchange.suspect = named(c, "exchanged");
-                exchange.suspect.exchanged_with = channels_[static_cast<std::size_t>(other)].name;
+                exchange.suspect.exchanged_with = channels_[other].name;
                 Eigen::PermutationMatrix<Eigen::Dynamic> swap(m);
                 swap.setIdentity();
                 swap.applyTranspositionOnTheRight(c, other);
@@ -88,7 +88,7 @@ private:
 
     ChannelSuspect named(int c, const char* fault) const {
         ChannelSuspect suspect;
-        suspect.channel = channels_[static_cast<std::size_t>(c)].name;
+        suspect.channel = channels_[c].name;
         suspect.fault = fault;
         return suspect;
     }

@@ -36,10 +36,10 @@ Eigen::VectorXd smoothZeroPhase(const Eigen::VectorXd& signal, double interval, 
     const Eigen::Index n = signal.size();
     const double w = std::tan(kPi * cutoff * interval);
     const Eigen::Index pad = std::min<Eigen::Index>(n - 1, static_cast<Eigen::Index>(3 / (cutoff * interval)) + 4);
-    std::vector<double> x(static_cast<std::size_t>(n + 2 * pad));
+    std::vector<double> x(n + 2 * pad);
     for (Eigen::Index k = 0; k < pad; ++k) {
-        x[static_cast<std::size_t>(k)] = 2 * signal[0] - signal[pad - k];
-        x[static_cast<std::size_t>(n + pad + k)] = 2 * signal[n - 1] - signal[n - 2 - k];
+        x[k] = 2 * signal[0] - signal[pad - k];
+        x[n + pad + k] = 2 * signal[n - 1] - signal[n - 2 - k];
     }
     std::copy(signal.data(), signal.data() + n, x.begin() + pad);
     filterOnce(x, w);

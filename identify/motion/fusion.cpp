@@ -35,12 +35,12 @@ double kinkVariance(const double* a, Eigen::Index reach, double sigma_a) {
 /// Solves (I + Dᵀ diag(w) D) x = r in place, D the rows (1, −2, 1) centred on samples 1 … n−2.
 void solvePentadiagonal(const std::vector<double>& w, Eigen::VectorXd& r) {
     const Eigen::Index n = r.size();
-    const auto weight = [&](Eigen::Index k) { return k >= 1 && k <= n - 2 ? w[static_cast<std::size_t>(k)] : 0.0; };
+    const auto weight = [&](Eigen::Index k) { return k >= 1 && k <= n - 2 ? w[k] : 0.0; };
     // LDLᵀ with two subdiagonals l1, l2.
-    std::vector<double> d(static_cast<std::size_t>(n)), l1(d.size()), l2(d.size());
+    std::vector<double> d(n), l1(d.size()), l2(d.size());
     double d1 = 1, d2 = 1, below1 = 0;  // d of the two rows before; l1 of the row before
     for (Eigen::Index k = 0; k < n; ++k) {
-        const auto i = static_cast<std::size_t>(k);
+        const std::size_t i = k;
         const double diagonal = 1 + weight(k - 1) + 4 * weight(k) + weight(k + 1);
         const double first = -2 * (weight(k - 1) + weight(k));
         const double second = weight(k - 1);
@@ -54,9 +54,9 @@ void solvePentadiagonal(const std::vector<double>& w, Eigen::VectorXd& r) {
         d1 = d[i];
     }
     for (Eigen::Index k = n - 1; k >= 0; --k) {
-        r[k] /= d[static_cast<std::size_t>(k)];
-        if (k + 1 < n) r[k] -= l1[static_cast<std::size_t>(k + 1)] * r[k + 1];
-        if (k + 2 < n) r[k] -= l2[static_cast<std::size_t>(k + 2)] * r[k + 2];
+        r[k] /= d[k];
+        if (k + 1 < n) r[k] -= l1[k + 1] * r[k + 1];
+        if (k + 2 < n) r[k] -= l2[k + 2] * r[k + 2];
     }
 }
 
@@ -85,14 +85,14 @@ FusedSignal fuseDisplacementAndAcceleration(const Eigen::VectorXd& x_measured, d
     const Eigen::Index n = x_measured.size();
     FusedSignal fused;
     fused.x = x_measured;
-    std::vector<double> weights(static_cast<std::size_t>(n), 0.0);
+    std::vector<double> weights(n, 0.0);
     for (Eigen::Index k = 1; k < n - 1; ++k) {
         const Eigen::Index reach = std::min(k, n - 1 - k);
         const double* a = a_measured.data() + k;
         const double kink = edges == ContactEdges::sampled ? kinkVariance(a, reach, sigma_a) : 0.0;
         const double variance = sigma_a * sigma_a + kink;
         const double weight = sigma_x * sigma_x / (variance * h * h * h * h);
-        weights[static_cast<std::size_t>(k)] = weight;
+        weights[k] = weight;
         const double target = weight * h * h * hatMean(a, reach);
         fused.x[k - 1] += target;
         fused.x[k] -= 2 * target;

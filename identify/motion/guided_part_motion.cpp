@@ -81,12 +81,12 @@ public:
     }
 
 private:
-    const MarkerChannel& channelAt(Eigen::Index i) const { return set_.channels[static_cast<std::size_t>(i)]; }
+    const MarkerChannel& channelAt(Eigen::Index i) const { return set_.channels[i]; }
     static Eigen::Vector3d calcDirection(const MarkerChannel& channel, const Eigen::Matrix3d& R) {
         return channel.turning ? Eigen::Vector3d(R * channel.direction) : channel.direction;
     }
     void add(const Eigen::VectorXd& free, Vector6& s) const {
-        for (Eigen::Index j = 0; j < free.size(); ++j) s[guide_.free()[static_cast<std::size_t>(j)]] += free[j];
+        for (Eigen::Index j = 0; j < free.size(); ++j) s[guide_.free()[j]] += free[j];
     }
     /// Weighted rows of channel velocity (or acceleration) to the free rates.
     Eigen::MatrixXd calcRows(const Eigen::Matrix3d& R_GM, const Eigen::Matrix3d& R_GF, const Vector6& s) const {
@@ -101,7 +101,7 @@ private:
     }
 
     void findUndetermined(const BodyMotion& rest) {
-        const auto free = static_cast<Eigen::Index>(guide_.free().size());
+        const Eigen::Index free = guide_.free().size();
         Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(free, free);
         double length = 0;
         for (const MarkerChannel& channel : set_.channels) length += channel.position.squaredNorm() / set_.count();
@@ -111,8 +111,7 @@ private:
             normal = rows.transpose() * rows;
         }
         Eigen::VectorXd scale(free);  // rotations as the displacement that they make
-        for (Eigen::Index j = 0; j < free; ++j)
-            scale[j] = guide_.free()[static_cast<std::size_t>(j)] < 3 ? 1 : 1 / length;
+        for (Eigen::Index j = 0; j < free; ++j) scale[j] = guide_.free()[j] < 3 ? 1 : 1 / length;
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
             (scale.asDiagonal() * normal * scale.asDiagonal()).eval());
         // As for six motions: noise of a lost one would be a thousand times that of a channel.
@@ -121,8 +120,7 @@ private:
             double share = 0;
             for (Eigen::Index j = 0; j < free; ++j)
                 if (solver.eigenvalues()[j] <= limit) share += std::pow(solver.eigenvectors()(motion, j), 2);
-            const char* name =
-                kMotionNames.at(static_cast<std::size_t>(guide_.free()[static_cast<std::size_t>(motion)]));
+            const char* name = kMotionNames.at(guide_.free()[motion]);
             if (share > 0.05) undetermined_.emplace_back(name);
         }
         if (undetermined_.empty()) covariance_ = normal.inverse();
@@ -141,7 +139,7 @@ public:
                     const PartMotion& reference)
         : PartEstimator(recording, part),
           reference_(reference),
-          samples_(static_cast<Eigen::Index>(recording.sampleCount())),
+          samples_(recording.sampleCount()),
           guide_(model.body),
           displacement_(collectChannels(recording, model, part, Derivative::displacement), guide_, rest),
           acceleration_(collectAccelerations(model, displacement_.channelSet()), guide_, rest) {
@@ -185,8 +183,7 @@ private:
 
     void noteFreeMotions() {
         std::string free;
-        for (const int i : guide_.free())
-            free += (free.empty() ? "" : ", ") + std::string(kMotionNames.at(static_cast<std::size_t>(i)));
+        for (const int i : guide_.free()) free += (free.empty() ? "" : ", ") + std::string(kMotionNames.at(i));
         note(part_ == Part::mobile ? "its channels determine " + free + ", the other motions are held by the model"
                                    : "its channels determine " + free + ", the other motions are taken as zero");
     }
@@ -195,7 +192,7 @@ private:
         if (fit.redundancy() > 0) return estimateNoiseFromResiduals(residuals, fit.redundancy());
         double sum = 0;
         for (std::size_t j = 0; j < guide_.free().size(); ++j) {
-            const auto k = static_cast<Eigen::Index>(j);
+            const Eigen::Index k = j;
             sum +=
                 std::pow(estimateNoiseFromSignal(signal.row(guide_.free()[j]).transpose()), 2) / fit.covariance()(k, k);
         }
@@ -242,7 +239,7 @@ private:
                 std::max({result_.motion.acceleration_noise, kLeastAccelerationNoise, kNoiseFloor * rms(second_)});
             for (std::size_t j = 0; j < guide_.free().size(); ++j) {
                 const int i = guide_.free()[j];
-                const auto c = static_cast<Eigen::Index>(j);
+                const Eigen::Index c = j;
                 const FusedSignal fused = fuseDisplacementAndAcceleration(
                     measured.row(i).transpose(), x_noise * std::sqrt(displacement_.covariance()(c, c)),
                     second_.row(i).transpose(), a_noise * std::sqrt(acceleration_.covariance()(c, c)), interval_);
@@ -255,9 +252,9 @@ private:
     }
 
     void differentiateDisplacements() {
-        Eigen::MatrixXd coordinates(static_cast<Eigen::Index>(guide_.free().size()), samples_);
+        Eigen::MatrixXd coordinates(guide_.free().size(), samples_);
         for (Eigen::Index j = 0; j < coordinates.rows(); ++j) {
-            const int i = guide_.free()[static_cast<std::size_t>(j)];
+            const int i = guide_.free()[j];
             coordinates.row(j) = (s_.row(i).array() - rest_[i]) / std::sqrt(displacement_.covariance()(j, j));
         }
         const double cutoff = chooseCutoff(coordinates);

@@ -18,7 +18,7 @@ Eigen::Matrix3Xd collectVector(const Recording& recording, Part part) {
     for (const Channel& channel : recording.channels) {
         const auto name = parseChannelName(channel.name);
         if (!name || name->part != part) continue;
-        const auto samples = static_cast<Eigen::Index>(channel.values.size());
+        const Eigen::Index samples = channel.values.size();
         if (values.cols() == 0) values = Eigen::Matrix3Xd::Zero(3, samples);
         values.row(name->axis) = Eigen::Map<const Eigen::RowVectorXd>(channel.values.data(), samples);
     }
@@ -34,8 +34,7 @@ PartEstimate estimateFixed(const Recording& recording, const MountModel& model, 
         const bool follows_base = base != nullptr && model.bracket.empty();
         if (all_six || (!guided && !follows_base)) return estimatePart(recording, model, Part::fixed, rest, edges);
         if (guided && (!follows_base || determinesGuided(recording, model, Part::fixed, rest)))
-            return estimateGuided(recording, model, Part::fixed, rest,
-                                  makeStandstill(rest, static_cast<Eigen::Index>(run.time.size())));
+            return estimateGuided(recording, model, Part::fixed, rest, makeStandstill(rest, run.time.size()));
     }
     if (!model.bracket.empty())
         throw InputError({recording.file, 0, "fixed"},
@@ -47,7 +46,7 @@ PartEstimate estimateFixed(const Recording& recording, const MountModel& model, 
     }
     run.fixed_source = FixedSource::still;
     PartEstimate estimate;
-    estimate.motion = makeStandstill(rest, static_cast<Eigen::Index>(run.time.size()));
+    estimate.motion = makeStandstill(rest, run.time.size());
     estimate.trusted_to = 0.25 / run.interval;
     estimate.notes.emplace_back("fixed part: no channels and no bracket in the model, so it stands still");
     return estimate;

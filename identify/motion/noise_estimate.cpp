@@ -20,17 +20,16 @@ double medianOfChiSquared(int degrees_of_freedom) {
 double estimateNoiseFromResiduals(const Eigen::MatrixXd& residuals, int redundancy) {
     const Eigen::Index samples = residuals.cols();
     if (redundancy < 1 || samples < 3) return std::numeric_limits<double>::quiet_NaN();
-    std::vector<double> sums(static_cast<std::size_t>(samples - 2));
+    std::vector<double> sums(samples - 2);
     for (Eigen::Index k = 1; k + 1 < samples; ++k)
-        sums[static_cast<std::size_t>(k - 1)] =
-            (residuals.col(k - 1) - 2 * residuals.col(k) + residuals.col(k + 1)).squaredNorm();
+        sums[k - 1] = (residuals.col(k - 1) - 2 * residuals.col(k) + residuals.col(k + 1)).squaredNorm();
     return std::sqrt(median(std::move(sums)) / (6 * medianOfChiSquared(redundancy)));
 }
 
 double estimateNoiseFromSignal(const Eigen::VectorXd& x) {
     if (x.size() < 7) return std::numeric_limits<double>::quiet_NaN();
     std::vector<double> squares;
-    squares.reserve(static_cast<std::size_t>(x.size()));
+    squares.reserve(x.size());
     for (Eigen::Index k = 3; k + 3 < x.size(); ++k) {
         const double sixth = x[k - 3] + x[k + 3] - 6 * (x[k - 2] + x[k + 2]) + 15 * (x[k - 1] + x[k + 1]) - 20 * x[k];
         squares.push_back(sixth * sixth);

@@ -26,11 +26,11 @@ void orthonormalize(Eigen::Matrix3d& R) {
 }  // namespace
 
 Eigen::MatrixXd makeDesign(const std::vector<MarkerChannel>& channels, const Eigen::Vector3d& origin, double length) {
-    Eigen::MatrixXd design(static_cast<Eigen::Index>(channels.size()), 6);
+    Eigen::MatrixXd design(channels.size(), 6);
     for (std::size_t i = 0; i < channels.size(); ++i) {
         const Eigen::Vector3d& e = channels[i].direction;
         const Eigen::Vector3d r = channels[i].position - origin;
-        design.row(static_cast<Eigen::Index>(i)) << e.transpose(), r.cross(e).transpose() / length;
+        design.row(i) << e.transpose(), r.cross(e).transpose() / length;
     }
     return design;
 }
@@ -39,13 +39,13 @@ RigidFit::RigidFit(ChannelSet set, const BodyMotion& rest)
     : set_(std::move(set)), rest_(rest), triads_(set_.hasCompleteTriads()) {
     rest_ends_.resize(set_.count());
     for (int i = 0; i < set_.count(); ++i) {
-        const MarkerChannel& channel = set_.channels[static_cast<std::size_t>(i)];
+        const MarkerChannel& channel = set_.channels[i];
         rest_ends_[i] = channel.direction.dot(rest_.p_GM + rest_.R_GM * channel.position);
     }
     findUndetermined();
     if (!undetermined_.empty() || !triads_) return;
     points_.resize(3, set_.count() / 3);
-    for (int i = 0; i < points_.cols(); ++i) points_.col(i) = set_.channels[static_cast<std::size_t>(3 * i)].position;
+    for (int i = 0; i < points_.cols(); ++i) points_.col(i) = set_.channels[3 * i].position;
     pseudo_inverse_ =
         makeDesign(set_.channels, Eigen::Vector3d::Zero(), 1.0).completeOrthogonalDecomposition().pseudoInverse();
 }
@@ -89,7 +89,7 @@ Eigen::Matrix<double, 6, 6> RigidFit::calcUnitCovariance() const {
 
 Eigen::MatrixXd RigidFit::weigh(const Eigen::MatrixXd& residuals) const {
     Eigen::MatrixXd weighted = residuals;
-    for (int i = 0; i < set_.count(); ++i) weighted.row(i) *= set_.channels[static_cast<std::size_t>(i)].weight;
+    for (int i = 0; i < set_.count(); ++i) weighted.row(i) *= set_.channels[i].weight;
     return weighted;
 }
 
@@ -125,13 +125,13 @@ bool RigidFit::refineTriads(const Eigen::Matrix3Xd& ends, BodyMotion& pose) cons
 }
 
 Eigen::Vector3d RigidFit::calcDirection(int channel, const Eigen::Matrix3d& R) const {
-    const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(channel)];
+    const MarkerChannel& marker = set_.channels[channel];
     if (marker.turning) return R * marker.direction;
     return marker.direction;
 }
 
 RigidFit::Vector6 RigidFit::calcRow(int channel, const Eigen::Matrix3d& R) const {
-    const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(channel)];
+    const MarkerChannel& marker = set_.channels[channel];
     const Eigen::Vector3d direction = calcDirection(channel, R);
     Vector6 row;
     row << direction, (R * marker.position).cross(direction);
@@ -143,7 +143,7 @@ bool RigidFit::refineRows(const Eigen::Ref<const Eigen::VectorXd>& ends, BodyMot
         Matrix6 normal = Matrix6::Zero();
         Vector6 right = Vector6::Zero();
         for (int i = 0; i < set_.count(); ++i) {
-            const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(i)];
+            const MarkerChannel& marker = set_.channels[i];
             const Vector6 row = calcRow(i, pose.R_GM);
             const double error =
                 marker.weight * (ends[i] - marker.direction.dot(pose.p_GM + pose.R_GM * marker.position));
@@ -207,7 +207,7 @@ void RigidFit::solvePoses(Eigen::Matrix3Xd& p, Eigen::Matrix3Xd& theta, Eigen::M
         theta.col(k) = vectorFromRotation(pose.R_GM);
         if (!residuals) continue;
         for (int i = 0; i < set_.count(); ++i) {
-            const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(i)];
+            const MarkerChannel& marker = set_.channels[i];
             (*residuals)(i, k) = channel_ends[i] - marker.direction.dot(pose.p_GM + pose.R_GM * marker.position);
         }
     }
@@ -236,7 +236,7 @@ void RigidFit::solveAccelerations(const Eigen::Matrix3Xd& theta, const Eigen::Ma
             Matrix6 normal = Matrix6::Zero();
             Vector6 right = Vector6::Zero();
             for (int i = 0; i < set_.count(); ++i) {
-                const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(i)];
+                const MarkerChannel& marker = set_.channels[i];
                 const Vector6 row = calcRow(i, R);
                 const Eigen::Vector3d r = R * marker.position;
                 const double centripetal = calcDirection(i, R).dot(w.col(k).cross(w.col(k).cross(r)));
@@ -252,7 +252,7 @@ void RigidFit::solveAccelerations(const Eigen::Matrix3Xd& theta, const Eigen::Ma
         const Eigen::Matrix3d A = crossMatrix(alpha.col(k)), W = crossMatrix(w.col(k));
         const Eigen::Matrix3d field_matrix = (A + W * W) * R;
         for (int i = 0; i < set_.count(); ++i) {
-            const MarkerChannel& marker = set_.channels[static_cast<std::size_t>(i)];
+            const MarkerChannel& marker = set_.channels[i];
             (*residuals)(i, k) = set_.values(i, k) - calcDirection(i, R).dot(a.col(k) + field_matrix * marker.position);
         }
     }

@@ -24,7 +24,7 @@ std::optional<std::array<int, 4>> findCross(const std::vector<Eigen::Vector3d>& 
     if (ends.size() != 4) return std::nullopt;
     static const std::array<std::array<int, 4>, 3> pairings{{{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2}}};
     for (const auto& p : pairings) {
-        const auto at = [&](int i) { return ends[static_cast<std::size_t>(p[static_cast<std::size_t>(i)])]; };
+        const auto at = [&](int i) { return ends[p[i]]; };
         const Eigen::Vector3d first = at(1) - at(0), second = at(3) - at(2);
         const double length = 0.5 * (first.norm() + second.norm());
         const double cosine = first.dot(second) / (first.norm() * second.norm());
@@ -45,10 +45,10 @@ public:
         rests_.clear();
         ends_.clear();
         for (int i = 0; i + 2 < set.count(); ++i) {
-            const MarkerChannel& channel = set.channels[static_cast<std::size_t>(i)];
-            const MarkerChannel& last = set.channels[static_cast<std::size_t>(i + 2)];
-            const bool triad = channel.axis == 0 && set.channels[static_cast<std::size_t>(i + 1)].axis == 1 &&
-                               last.axis == 2 && last.index == channel.index;
+            const MarkerChannel& channel = set.channels[i];
+            const MarkerChannel& last = set.channels[i + 2];
+            const bool triad =
+                channel.axis == 0 && set.channels[i + 1].axis == 1 && last.axis == 2 && last.index == channel.index;
             // The distance of two ends needs all axes of both along the same directions.
             if (!triad || channel.direction != Eigen::Vector3d::UnitX() || last.direction != Eigen::Vector3d::UnitZ())
                 continue;
@@ -75,11 +75,9 @@ public:
         const double largest = set.values.cwiseAbs().maxCoeff();
         if (!(largest > 0)) return;
         for (int first = 0; first < set.count();) {
-            const MarkerChannel& station = set.channels[static_cast<std::size_t>(first)];
+            const MarkerChannel& station = set.channels[first];
             int count = 0;
-            while (first + count < set.count() &&
-                   set.channels[static_cast<std::size_t>(first + count)].index == station.index)
-                ++count;
+            while (first + count < set.count() && set.channels[first + count].index == station.index) ++count;
             const double noise_percent = 100 * noise * std::sqrt(count) / largest;
             add("acceleration field " + station.station,
                 100 / largest * residuals.middleRows(first, count).colwise().norm().transpose(), noise_percent);
@@ -91,9 +89,9 @@ private:
     static bool isPair(int i, int j, int a, int b) { return (i == a && j == b) || (i == b && j == a); }
 
     std::string prefix() const { return part_ == Part::fixed ? "fixed " : ""; }
-    const Eigen::Matrix3Xd& end(int i) const { return ends_[static_cast<std::size_t>(i)]; }
-    const Eigen::Vector3d& restOf(int i) const { return rests_[static_cast<std::size_t>(i)]; }
-    const std::string& nameOf(int i) const { return names_[static_cast<std::size_t>(i)]; }
+    const Eigen::Matrix3Xd& end(int i) const { return ends_[i]; }
+    const Eigen::Vector3d& restOf(int i) const { return rests_[i]; }
+    const std::string& nameOf(int i) const { return names_[i]; }
 
     void checkLength(int i, int j) {
         const double length = (restOf(i) - restOf(j)).norm();
@@ -126,7 +124,7 @@ private:
         check.percent = percent;
         Eigen::Index at = 0;
         check.max_percent = percent.cwiseAbs().maxCoeff(&at);
-        check.at_time = recording_.time[static_cast<std::size_t>(at)];
+        check.at_time = recording_.time[at];
         check.at_frequency = result_.swept.hertz[at];
         check.noise_percent = noise_percent;
         result_.checks.push_back(check);
@@ -160,7 +158,7 @@ void checkPart(const Recording& recording, const MountModel& model, Part part, c
         result.notes.push_back(name + "six channels only, which fit any rigid motion: nothing to check");
         return false;
     };
-    Eigen::MatrixXd residuals, coordinates(6, static_cast<Eigen::Index>(recording.sampleCount()));
+    Eigen::MatrixXd residuals, coordinates(6, recording.sampleCount());
     if (motion.displacement_measured) {
         const RigidFit fit(collectChannels(recording, model, part, Derivative::displacement), rest);
         if (redundant(fit)) {

@@ -32,15 +32,15 @@ double calcHighPassGain(double frequency, double lowest) {
 }  // namespace
 
 Spectrum calcSpectrum(const Eigen::VectorXd& signal, double interval, int segment) {
-    const auto samples = static_cast<std::size_t>(signal.size());
-    const std::size_t length = std::min(static_cast<std::size_t>(segment), nextPowerOfTwo(samples + 1) / 2);
+    const std::size_t samples = signal.size();
+    const std::size_t length = std::min<std::size_t>(segment, nextPowerOfTwo(samples + 1) / 2);
     std::vector<double> block(length), window(length);
     double window_power = 0;
     for (std::size_t i = 0; i < length; ++i) {
         window[i] = 0.5 - 0.5 * std::cos(kTwoPi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
         window_power += window[i] * window[i];
     }
-    const auto bins = static_cast<Eigen::Index>(length / 2 + 1);
+    const Eigen::Index bins = length / 2 + 1;
     std::vector<Complex> transform(length / 2 + 1);
     const FftwPlan plan(
         fftw_plan_dft_r2c_1d(static_cast<int>(length), block.data(), asFftw(transform.data()), FFTW_ESTIMATE));
@@ -50,20 +50,17 @@ Spectrum calcSpectrum(const Eigen::VectorXd& signal, double interval, int segmen
     int count = 0;
     for (std::size_t start = 0; start + length <= samples; start += std::max<std::size_t>(1, length / 2), ++count) {
         double mean = 0;
-        for (std::size_t i = 0; i < length; ++i)
-            mean += signal[static_cast<Eigen::Index>(start + i)] / static_cast<double>(length);
-        for (std::size_t i = 0; i < length; ++i)
-            block[i] = window[i] * (signal[static_cast<Eigen::Index>(start + i)] - mean);
+        for (std::size_t i = 0; i < length; ++i) mean += signal[start + i] / static_cast<double>(length);
+        for (std::size_t i = 0; i < length; ++i) block[i] = window[i] * (signal[start + i] - mean);
         fftw_execute(plan.get());
-        for (Eigen::Index i = 0; i < bins; ++i)
-            spectrum.density[i] += std::norm(transform[static_cast<std::size_t>(i)]);
+        for (Eigen::Index i = 0; i < bins; ++i) spectrum.density[i] += std::norm(transform[i]);
     }
     spectrum.density *= 2 * interval / (window_power * count);
     return spectrum;
 }
 
 IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double interval, double lowest) {
-    const auto samples = static_cast<std::size_t>(acceleration.size());
+    const std::size_t samples = acceleration.size();
     // Padding long enough for what the high pass rings to die out before it wraps around.
     const std::size_t length =
         nextPowerOfTwo(samples + static_cast<std::size_t>(std::min(ringing_periods / (lowest * interval),
@@ -86,8 +83,7 @@ IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double inte
             product[i] = transform[i] * factor / static_cast<double>(length);
         }
         fftw_execute(backward.get());
-        (order == 1 ? result.v : result.x) =
-            Eigen::Map<const Eigen::VectorXd>(signal.data(), static_cast<Eigen::Index>(samples));
+        (order == 1 ? result.v : result.x) = Eigen::Map<const Eigen::VectorXd>(signal.data(), samples);
     }
     return result;
 }
@@ -95,14 +91,14 @@ IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double inte
 Eigen::VectorXd highPass(const Eigen::VectorXd& signal, double interval, double lowest) {
     const Eigen::Index n = signal.size();
     const Eigen::Index pad = std::min(n - 1, static_cast<Eigen::Index>(ringing_periods / (lowest * interval)));
-    const std::size_t length = nextPowerOfTwo(static_cast<std::size_t>(n + 2 * pad));
+    const std::size_t length = nextPowerOfTwo(n + 2 * pad);
     const double mean = signal.mean();
     std::vector<double> values(length, 0.0);
     for (Eigen::Index k = 0; k < pad; ++k) {
-        values[static_cast<std::size_t>(k)] = 2 * signal[0] - signal[pad - k] - mean;
-        values[static_cast<std::size_t>(n + pad + k)] = 2 * signal[n - 1] - signal[n - 2 - k] - mean;
+        values[k] = 2 * signal[0] - signal[pad - k] - mean;
+        values[n + pad + k] = 2 * signal[n - 1] - signal[n - 2 - k] - mean;
     }
-    for (Eigen::Index k = 0; k < n; ++k) values[static_cast<std::size_t>(pad + k)] = signal[k] - mean;
+    for (Eigen::Index k = 0; k < n; ++k) values[pad + k] = signal[k] - mean;
     std::vector<Complex> transform(length / 2 + 1);
     const FftwPlan forward(
         fftw_plan_dft_r2c_1d(static_cast<int>(length), values.data(), asFftw(transform.data()), FFTW_ESTIMATE));
@@ -118,7 +114,7 @@ Eigen::VectorXd highPass(const Eigen::VectorXd& signal, double interval, double 
 }
 
 SlowSignal keepSlowPart(const Eigen::VectorXd& signal, double interval, double pass, double stop) {
-    const auto samples = static_cast<std::size_t>(signal.size());
+    const std::size_t samples = signal.size();
     const std::size_t length = nextPowerOfTwo(
         samples + static_cast<std::size_t>(std::min(8 / (pass * interval), 4.0 * static_cast<double>(samples))));
     std::vector<double> buffer(length, 0.0);
@@ -138,8 +134,7 @@ SlowSignal keepSlowPart(const Eigen::VectorXd& signal, double interval, double p
                 transform[i] * (rate ? Complex(0, kTwoPi * f) : Complex(1)) * gain / static_cast<double>(length);
         }
         fftw_execute(backward.get());
-        (rate ? result.rate : result.x) =
-            Eigen::Map<const Eigen::VectorXd>(buffer.data(), static_cast<Eigen::Index>(samples));
+        (rate ? result.rate : result.x) = Eigen::Map<const Eigen::VectorXd>(buffer.data(), samples);
     }
     return result;
 }

@@ -52,7 +52,7 @@ Drive findDrive(const Recording& recording) {
                                    {Part::mobile, Derivative::acceleration, "mobile part"},
                                    {Part::mobile, Derivative::velocity, "mobile part"},
                                    {Part::mobile, Derivative::displacement, "mobile part"}};
-    const auto samples = static_cast<Eigen::Index>(recording.sampleCount());
+    const Eigen::Index samples = recording.sampleCount();
     for (const Group& group : groups) {
         std::vector<const Channel*> channels;
         for (const Channel& channel : recording.channels) {
@@ -60,10 +60,9 @@ Drive findDrive(const Recording& recording) {
             if (name && name->part == group.part && name->derivative == group.derivative) channels.push_back(&channel);
         }
         if (channels.empty()) continue;
-        Eigen::MatrixXd values(samples, static_cast<Eigen::Index>(channels.size()));
+        Eigen::MatrixXd values(samples, channels.size());
         for (std::size_t i = 0; i < channels.size(); ++i)
-            values.col(static_cast<Eigen::Index>(i)) =
-                Eigen::Map<const Eigen::VectorXd>(channels[i]->values.data(), samples);
+            values.col(i) = Eigen::Map<const Eigen::VectorXd>(channels[i]->values.data(), samples);
         values.rowwise() -= values.colwise().mean().eval();
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver((values.transpose() * values).eval());
         if (!(solver.eigenvalues().tail<1>()[0] > 0)) continue;
@@ -103,7 +102,7 @@ std::vector<Period> findPeriods(const std::vector<double>& time, const Eigen::Ve
     bool low = false, have_last = false;
     double crossing = 0, last = 0;
     for (Eigen::Index k = 1; k < signal.size(); ++k) {
-        const auto i = static_cast<std::size_t>(k);
+        const std::size_t i = k;
         if (rms[k] < active) {
             low = have_last = false;
             continue;
@@ -167,7 +166,7 @@ void findBand(const Drive& drive, double interval, SweptFrequency& result) {
 
 SweptFrequency findSweptFrequency(const Recording& recording) {
     SweptFrequency result;
-    const auto samples = static_cast<Eigen::Index>(recording.sampleCount());
+    const Eigen::Index samples = recording.sampleCount();
     result.hertz = Eigen::VectorXd::Constant(samples, std::numeric_limits<double>::quiet_NaN());
     if (samples < 16) return result;
     const double interval = recording.sampleInterval();
@@ -194,7 +193,7 @@ SweptFrequency findSweptFrequency(const Recording& recording) {
     result.highest = std::exp(*std::max_element(smoothed.begin(), smoothed.end()));
     std::size_t i = 0;
     for (Eigen::Index k = 0; k < samples; ++k) {
-        const double t = recording.time[static_cast<std::size_t>(k)];
+        const double t = recording.time[k];
         while (i + 2 < periods.size() && periods[i + 1].time < t) ++i;
         const double span = periods[i + 1].time - periods[i].time;
         const double share = std::clamp((t - periods[i].time) / span, 0.0, 1.0);

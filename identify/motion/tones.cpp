@@ -49,13 +49,13 @@ public:
     LineSpectrum(const Eigen::VectorXd& signal, double interval) : samples_(signal.size()) {
         Eigen::Index length = 1;
         while (length < samples_) length *= 2;
-        std::vector<double> padded(static_cast<std::size_t>(length), 0.0);
+        std::vector<double> padded(length, 0.0);
         const double mean = signal.mean();
         for (Eigen::Index i = 0; i < samples_; ++i) {
             const double phase = kTwoPi * (static_cast<double>(i) + 0.5) / static_cast<double>(samples_);
-            padded[static_cast<std::size_t>(i)] = (0.5 - 0.5 * std::cos(phase)) * (signal[i] - mean);
+            padded[i] = (0.5 - 0.5 * std::cos(phase)) * (signal[i] - mean);
         }
-        transform_.resize(static_cast<std::size_t>(length / 2 + 1));
+        transform_.resize(length / 2 + 1);
         const FftwPlan plan(
             fftw_plan_dft_r2c_1d(static_cast<int>(length), padded.data(), asFftw(transform_.data()), FFTW_ESTIMATE));
         fftw_execute(plan.get());
@@ -63,8 +63,7 @@ public:
         lobe_ = static_cast<Eigen::Index>(
             std::ceil(half_lobe * static_cast<double>(length) / static_cast<double>(samples_)));
         power_.resize(length / 2 + 1);
-        for (Eigen::Index i = 0; i < power_.size(); ++i)
-            power_[i] = i < lobe_ ? 0 : std::norm(transform_[static_cast<std::size_t>(i)]);
+        for (Eigen::Index i = 0; i < power_.size(); ++i) power_[i] = i < lobe_ ? 0 : std::norm(transform_[i]);
     }
 
     double totalPower() const { return power_.sum(); }
@@ -84,7 +83,7 @@ public:
     /// Power of an island in each part of the duration, the sum being 1.
     Eigen::VectorXd calcPowerOverTime(const Island& island) const {
         std::vector<std::complex<double>> part(transform_.size());
-        const auto first = static_cast<std::ptrdiff_t>(std::max<Eigen::Index>(0, island.first - lobe_));
+        const std::ptrdiff_t first = std::max<Eigen::Index>(0, island.first - lobe_);
         const auto last = static_cast<std::ptrdiff_t>(std::min(power_.size() - 1, island.last + lobe_));
         std::copy(transform_.begin() + first, transform_.begin() + last + 1, part.begin() + first);
         const std::size_t length = 2 * (transform_.size() - 1);
@@ -94,7 +93,7 @@ public:
         fftw_execute(plan.get());
         Eigen::VectorXd power = Eigen::VectorXd::Zero(time_segments);
         for (Eigen::Index i = 0; i < samples_; ++i) {
-            const double value = values[static_cast<std::size_t>(i)];
+            const double value = values[i];
             power[i * time_segments / samples_] += value * value;
         }
         return power / power.sum();

@@ -14,7 +14,7 @@ Eigen::VectorXd readChannel(const Recording& recording, int node, const std::str
     if (channel == nullptr)
         throw InputError({recording.file, 0, name}, "this channel is missing",
                          "z, vz, az and, at the upper surface, x, vx, ax of the last two nodes");
-    return Eigen::Map<const Eigen::VectorXd>(channel->values.data(), static_cast<Eigen::Index>(channel->values.size()));
+    return Eigen::Map<const Eigen::VectorXd>(channel->values.data(), channel->values.size());
 }
 
 /// Row of the tip's deflection in `matrix` times the coordinates, read from channels z… and x… with prefix v or a.

@@ -48,15 +48,13 @@ public:
 
 private:
     int connectionCount() const { return static_cast<int>(model_.connections.size()); }
-    const AxisLaw& lawOf(int connection, int axis) const {
-        return model_.connections[static_cast<std::size_t>(connection)].axis.at(static_cast<std::size_t>(axis));
-    }
+    const AxisLaw& lawOf(int connection, int axis) const { return model_.connections[connection].axis.at(axis); }
     std::string nameOf(int connection, int axis) const {
-        return model_.connections[static_cast<std::size_t>(connection)].name + "." + "xyz"[axis];
+        return model_.connections[connection].name + "." + "xyz"[axis];
     }
     Eigen::VectorXd pick(const Eigen::VectorXd& signal) const {
-        Eigen::VectorXd picked(static_cast<Eigen::Index>(samples_.size()));
-        for (std::size_t k = 0; k < samples_.size(); ++k) picked(static_cast<Eigen::Index>(k)) = signal(samples_[k]);
+        Eigen::VectorXd picked(samples_.size());
+        for (std::size_t k = 0; k < samples_.size(); ++k) picked(k) = signal(samples_[k]);
         return picked;
     }
 
@@ -123,8 +121,7 @@ bool isHeld(const Column& column, const SingleAxisOptions& options) {
 
 void setStiffness(MountModel& model, const Column& column, double value) {
     if (column.connection < 0) return;
-    AxisLaw& law =
-        model.connections[static_cast<std::size_t>(column.connection)].axis.at(static_cast<std::size_t>(column.axis));
+    AxisLaw& law = model.connections[column.connection].axis.at(column.axis);
     if (column.stops.empty()) law.stiffness = value;
     for (const std::size_t s : column.stops) law.stops[s].stiffness = value;
 }
@@ -139,11 +136,10 @@ SingleAxisResult identifySingleAxis(const Recording& recording, const MountModel
     const std::vector<int> axes = options.candidates.empty() ? std::vector<int>{options.axis} : options.candidates;
     const std::vector<Column> columns = maker.make(axes, options);
 
-    const auto rows = static_cast<Eigen::Index>(samples.size());
+    const Eigen::Index rows = samples.size();
     const Eigen::MatrixXd& a = options.point == AccelerationPoint::marker_centre ? data.a_centre : data.a_body;
     Eigen::VectorXd b(rows);
-    for (Eigen::Index k = 0; k < rows; ++k)
-        b(k) = -model.body.mass * a(samples[static_cast<std::size_t>(k)], options.axis);
+    for (Eigen::Index k = 0; k < rows; ++k) b(k) = -model.body.mass * a(samples[k], options.axis);
     Eigen::MatrixXd A(rows, 0);
     for (const Column& column : columns) {
         if (isHeld(column, options)) {

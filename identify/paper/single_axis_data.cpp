@@ -62,7 +62,7 @@ SingleAxisData collectSingleAxisData(const Recording& recording, const MountMode
     if (isComplete(acceleration, model)) {
         data.a_centre = Eigen::MatrixXd::Zero(data.q.rows(), 3);
         for (int i = 0; i < acceleration.count(); ++i)
-            data.a_centre.col(acceleration.channels[static_cast<std::size_t>(i)].axis) +=
+            data.a_centre.col(acceleration.channels[i].axis) +=
                 acceleration.values.row(i).transpose() / static_cast<double>(model.connections.size());
     } else {
         data.a_centre = calcPointAcceleration(motion.mobile, centre);

@@ -54,8 +54,7 @@ public:
         order();
         const std::vector<Proposal> best(
             plan_.proposals.begin(),
-            plan_.proposals.begin() +
-                std::min<std::ptrdiff_t>(kRefined, static_cast<std::ptrdiff_t>(plan_.proposals.size())));
+            plan_.proposals.begin() + std::min<std::ptrdiff_t>(kRefined, plan_.proposals.size()));
         for (std::size_t b = 0; b < best.size(); ++b)
             for (const PlannedRun& variant : listVariants(best[b].candidate, b == 0)) {
                 tell(all);

@@ -27,7 +27,7 @@ Eigen::VectorXd integrateBase(const Signal& signal, const std::vector<double>& t
         double next_velocity = velocity;
         displacement[k + 1] = displacement[k] + interval * velocity;
         for (std::size_t i = 0; i < 3; ++i) {
-            const double a = signal.value(time[static_cast<std::size_t>(k)] + node[i] * interval);
+            const double a = signal.value(time[k] + node[i] * interval);
             next_velocity += weight[i] * interval * a;
             displacement[k + 1] += weight[i] * interval * interval * (1 - node[i]) * a;
         }
@@ -99,7 +99,7 @@ RunExtent Rehearsal::calcExtent(const PlannedRun& candidate) const {
     RunExtent extent;
     Eigen::Index row = 0, column = 0;
     extent.stroke = q.cwiseAbs().maxCoeff(&row, &column);
-    extent.stroke_at = device_.connections[static_cast<std::size_t>(row / 3)].name + "." + kAxes[row % 3];
+    extent.stroke_at = device_.connections[row / 3].name + "." + kAxes[row % 3];
     if (run.base_displacement.cols() > 0) extent.base_displacement = run.base_displacement.colwise().norm().maxCoeff();
     const double octaves = std::log2(candidate.to / candidate.from);
     for (Eigen::Index window = 0; window < kWindows; ++window) {

@@ -36,12 +36,11 @@ void chooseBand(const std::vector<Recording>& recordings, const AskedSetup& aske
     bool swept = false;
     for (const Recording& recording : recordings) {
         const SweptFrequency frequency = findSweptFrequency(recording);
-        const auto count = static_cast<Eigen::Index>(frequency.hertz.size());
+        const Eigen::Index count = frequency.hertz.size();
         if (!frequency.is_sine || !(frequency.highest > 1.05 * frequency.lowest) || count < 8) continue;
         const Eigen::Index early = count / 4, late = 3 * count / 4;
         const double octaves = std::log2(frequency.hertz[late] / frequency.hertz[early]);
-        const double duration =
-            recording.time[static_cast<std::size_t>(late)] - recording.time[static_cast<std::size_t>(early)];
+        const double duration = recording.time[late] - recording.time[early];
         const double rate = 60 * std::abs(octaves) / duration;
         // Zero crossings tell the frequency from the first whole period on; a logarithmic sweep began before.
         const double start = frequency.hertz[early] * std::exp2(-0.5 * octaves),
@@ -85,8 +84,7 @@ double estimateFromChannels(const std::vector<Recording>& recordings, Part part,
         for (const Channel& channel : recording.channels) {
             const auto name = parseChannelName(channel.name);
             if (!name || name->part != part || name->derivative != kind) continue;
-            const Eigen::Map<const Eigen::VectorXd> values(channel.values.data(),
-                                                           static_cast<Eigen::Index>(channel.values.size()));
+            const Eigen::Map<const Eigen::VectorXd> values(channel.values.data(), channel.values.size());
             const double noise = estimateNoiseFromSignal(values);
             if (std::isfinite(noise)) levels.push_back(noise);
         }

@@ -16,9 +16,8 @@ constexpr double kPadding =
 
 /// modes x 12.
 Eigen::MatrixXd calcParticipations(const MountModel& model) {
-    Eigen::MatrixXd rows(static_cast<Eigen::Index>(model.bracket.size()), 12);
-    for (Eigen::Index j = 0; j < rows.rows(); ++j)
-        rows.row(j) = calcParticipation(model.bracket[static_cast<std::size_t>(j)]).transpose();
+    Eigen::MatrixXd rows(model.bracket.size(), 12);
+    for (Eigen::Index j = 0; j < rows.rows(); ++j) rows.row(j) = calcParticipation(model.bracket[j]).transpose();
     return rows;
 }
 
@@ -60,7 +59,7 @@ Eigen::MatrixXd BracketEquation::calcResponse(const MountModel& model,
         const auto shape = calcShape(mode);
         for (Eigen::Index k = 0; k < spectra.cols(); ++k) {
             const auto response = calcModalResponse(mode, step * static_cast<double>(k));
-            motion.col(k) += shape * (response * spectra(static_cast<Eigen::Index>(j), k));
+            motion.col(k) += shape * (response * spectra(j, k));
         }
     }
     return fourier_.inverse(motion, run_->sampleCount());

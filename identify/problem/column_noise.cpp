@@ -76,8 +76,7 @@ ColumnNoise::Column ColumnNoise::makePosition(int connection, int moved) const {
         Terms terms;
         const Eigen::Vector3d e = Eigen::Vector3d::Unit(moved);
         for (int a = 0; a < 3; ++a) {
-            const auto& law =
-                model_.connections[static_cast<std::size_t>(connection)].axis[static_cast<std::size_t>(a)];
+            const auto& law = model_.connections[connection].axis[a];
             const Vector6 d = calcAxisDirection(model_, connection, a);
             Vector6 change;
             change << Eigen::Vector3d::Zero(), e.cross(Eigen::Vector3d::Unit(a));
@@ -106,7 +105,7 @@ ColumnNoise::Column ColumnNoise::makeInertia(const Matrix6& dM, const Eigen::Mat
 
 ColumnNoise::Column ColumnNoise::makeMode(int mode, int which) const {
     return [this, mode, which](Eigen::Index b) {
-        const BracketMode& own = model_.bracket[static_cast<std::size_t>(mode)];
+        const BracketMode& own = model_.bracket[mode];
         const Vector6 shape = calcShape(own);
         const double w = spectra_.angular(b), w0 = kTwoPi * own.frequency;
         const Complex h = calcModalResponse(own, w);
@@ -199,22 +198,21 @@ ColumnNoise::Slope ColumnNoise::calcContactSlope(const TestState& from, const Te
 }
 
 Eigen::MatrixXd ColumnNoise::calcProducts(const std::vector<Column>& columns, Eigen::Index first) const {
-    const auto count = static_cast<Eigen::Index>(columns.size());
+    const Eigen::Index count = columns.size();
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(count, count);
     std::vector<Eigen::Index> noisy;
     for (Eigen::Index i = 0; i < count; ++i)
-        if (columns[static_cast<std::size_t>(i)]) noisy.push_back(i);
-    Eigen::MatrixXf own =
-        Eigen::MatrixXf::Zero(static_cast<Eigen::Index>(noisy.size()), static_cast<Eigen::Index>(noisy.size()));
+        if (columns[i]) noisy.push_back(i);
+    Eigen::MatrixXf own = Eigen::MatrixXf::Zero(noisy.size(), noisy.size());
     for (const RunNoise::Sample& sample : noise_->samples()) {
-        Eigen::MatrixXf stacked(2 * 6 * 15, static_cast<Eigen::Index>(noisy.size()));
+        Eigen::MatrixXf stacked(2 * 6 * 15, noisy.size());
         for (std::size_t i = 0; i < noisy.size(); ++i) {
             Eigen::Matrix<Complex, 6, 15> outer = Eigen::Matrix<Complex, 6, 15>::Zero();
-            for (const Term& term : columns[static_cast<std::size_t>(noisy[i])](sample.bin))
+            for (const Term& term : columns[noisy[i]](sample.bin))
                 outer.noalias() +=
                     term.left.segment<6>(first) * (sample.root.transpose() * term.right.cast<Complex>()).transpose();
             const Eigen::Map<const Eigen::Matrix<double, 180, 1>> values(reinterpret_cast<const double*>(outer.data()));
-            stacked.col(static_cast<Eigen::Index>(i)) = (std::sqrt(2 * sample.weight) * values).cast<float>();
+            stacked.col(i) = (std::sqrt(2 * sample.weight) * values).cast<float>();
         }
         own.selfadjointView<Eigen::Lower>().rankUpdate(stacked.transpose());
     }

@@ -24,8 +24,8 @@ struct Fourier::Plans {
     fftw_plan forward, inverse;
 
     explicit Plans(int samples) : size(fastSize(samples)) {
-        std::vector<double> real(static_cast<std::size_t>(size));
-        std::vector<std::complex<double>> complex(static_cast<std::size_t>(size / 2 + 1));
+        std::vector<double> real(size);
+        std::vector<std::complex<double>> complex(size / 2 + 1);
         const unsigned flags = FFTW_ESTIMATE | FFTW_UNALIGNED;
         forward = fftw_plan_dft_r2c_1d(size, real.data(), asFftw(complex.data()), flags);
         inverse = fftw_plan_dft_c2r_1d(size, asFftw(complex.data()), real.data(), flags);

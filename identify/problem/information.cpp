@@ -77,7 +77,7 @@ BlockInformation combine(const Information& information, const BlockScales& scal
     if (sum.noise.size() > 0) signal -= sum.noise(seen, seen);
     const Eigen::MatrixXd half = factor.matrixL().solve(signal);
     const Eigen::VectorXd b = half.transpose() * factor.matrixL().solve(sum.b(seen));
-    const auto count = static_cast<Eigen::Index>(seen.size());
+    const Eigen::Index count = seen.size();
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(count, count);
     product.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
     product.triangularView<Eigen::StrictlyUpper>() = product.transpose();

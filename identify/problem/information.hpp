@@ -17,6 +17,9 @@ namespace wems::identify {
 /// Equations of different origin, whose misfit is told apart.
 enum class Block { mount, bracket, mobile_sensors, fixed_sensors };
 inline constexpr std::size_t kBlocks = 4;
+constexpr std::size_t indexOf(Block block) {
+    return static_cast<std::size_t>(block);
+}
 
 struct BlockInformation {
     Eigen::MatrixXd A;

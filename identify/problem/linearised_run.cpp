@@ -31,17 +31,17 @@ Eigen::VectorXf unfold(const Eigen::Ref<const Eigen::MatrixXcd>& rows) {
 class BlockColumns {
 public:
     BlockColumns(Eigen::Index rows, Eigen::Index columns)
-        : J_(Eigen::MatrixXf::Zero(rows, columns)), used_(static_cast<std::size_t>(columns), false) {}
+        : J_(Eigen::MatrixXf::Zero(rows, columns)), used_(columns, false) {}
     void set(Eigen::Index column, const Eigen::VectorXf& values) {
         J_.col(column) = values;
-        used_[static_cast<std::size_t>(column)] = true;
+        used_[column] = true;
     }
     /// @param residual as the columns
     BlockInformation calcInformation(const Eigen::VectorXf& residual) const {
         std::vector<Eigen::Index> used;
         for (std::size_t c = 0; c < used_.size(); ++c)
-            if (used_[c]) used.push_back(static_cast<Eigen::Index>(c));
-        const auto count = static_cast<Eigen::Index>(used.size());
+            if (used_[c]) used.push_back(c);
+        const Eigen::Index count = used.size();
         Eigen::MatrixXd A = Eigen::MatrixXd::Zero(count, count);
         Eigen::VectorXd b = Eigen::VectorXd::Zero(count);
         BlockInformation result;
@@ -111,8 +111,8 @@ public:
           noise_(at.run(), state.model, at.spectra(), at.noise(), at.residual()),
           mount_(12 * at.spectra().binCount(), columns.size() + extra),
           bracket_(at.hasBracket() ? 12 * at.spectra().binCount() : 0, columns.size() + extra),
-          slopes_(static_cast<std::size_t>(columns.size() + extra), ColumnNoise::Slope::Zero()),
-          noisy_(static_cast<std::size_t>(columns.size())) {}
+          slopes_(columns.size() + extra, ColumnNoise::Slope::Zero()),
+          noisy_(columns.size()) {}
 
     void add(Eigen::Index column, const Eigen::MatrixXcd& mount, const Eigen::MatrixXcd& bracket) {
         if (mount.size() == 0 && bracket.size() == 0) return;
@@ -130,7 +130,7 @@ public:
         Eigen::VectorXd burst;
         addWhite(column, at_.calcLawColumn(from, to, row.first, row.second, step, burst));
         setNoise(column, noise_.makeLaw(from, to, row.first, row.second, step));
-        slopes_[static_cast<std::size_t>(column)] += noise_.calcContactSlope(from, to, row.first, row.second, step);
+        slopes_[column] += noise_.calcContactSlope(from, to, row.first, row.second, step);
         if (burst.size() > 0) bursts_[3 * row.first + row.second].emplace_back(column, std::move(burst));
     }
 
@@ -149,7 +149,7 @@ public:
         for (std::size_t i = 0; i < table.size(); ++i) {
             if (!columns_.wants(i)) continue;
             const Unknown& row = table[i];
-            const auto column = static_cast<Eigen::Index>(i);
+            const Eigen::Index column = i;
             Eigen::MatrixXcd mount, bracket;
             switch (row.kind) {
                 case UnknownKind::law: {
@@ -201,12 +201,12 @@ public:
         for (std::size_t i = 0; i < columns_.probes.size(); ++i) {
             if (!columns_.wants(table.size() + i)) continue;
             const Probe& probe = columns_.probes[i];
-            const Unknown& row = table[static_cast<std::size_t>(probe.parameter)];
+            const Unknown& row = table[probe.parameter];
             TestState from = state_;
-            for (const auto& [other, value] : probe.preset) table[static_cast<std::size_t>(other)].set(from, value);
+            for (const auto& [other, value] : probe.preset) table[other].set(from, value);
             TestState to = from;
             row.set(to, row.get(from) + probe.step);
-            const auto column = static_cast<Eigen::Index>(table.size() + i);
+            const Eigen::Index column = table.size() + i;
             addLaw(column, row, from, to, probe.step);
         }
         if (at_.run().load.cols() == 0) return;
@@ -215,15 +215,15 @@ public:
             Eigen::MatrixXcd mount, bracket;
             double share = 0;
             at_.calcLoadColumn(at_.calcHatLoad(columns_.hats[i], share), mount, bracket);
-            const auto column = static_cast<Eigen::Index>(table.size() + columns_.probes.size() + i);
+            const Eigen::Index column = table.size() + columns_.probes.size() + i;
             add(column, mount, bracket);
             setNoise(column, noise_.makeLoad(share, 3));
         }
     }
 
     void setNoise(Eigen::Index column, ColumnNoise::Column noise) {
-        slopes_[static_cast<std::size_t>(column)] = noise_.calcSlope(noise);
-        noisy_[static_cast<std::size_t>(column)] = std::move(noise);
+        slopes_[column] = noise_.calcSlope(noise);
+        noisy_[column] = std::move(noise);
     }
     const ColumnNoise& noise() const { return noise_; }
     Eigen::MatrixXd calcNoiseProducts(bool bracket) const { return noise_.calcProducts(noisy_, bracket ? 6 : 0); }
@@ -231,9 +231,8 @@ public:
     BlockColumns& bracket() { return bracket_; }
     /// Of the mount's rows, or of the bracket's.
     Eigen::MatrixXd calcNoiseSlopes(bool bracket) const {
-        Eigen::MatrixXd result(static_cast<Eigen::Index>(slopes_.size()), kLevelBands);
-        for (std::size_t c = 0; c < slopes_.size(); ++c)
-            result.row(static_cast<Eigen::Index>(c)) = slopes_[c].row(bracket ? 1 : 0);
+        Eigen::MatrixXd result(slopes_.size(), kLevelBands);
+        for (std::size_t c = 0; c < slopes_.size(); ++c) result.row(c) = slopes_[c].row(bracket ? 1 : 0);
         return result;
     }
 
@@ -273,10 +272,10 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
         if (!columns.wants(i)) continue;
         const SensorEffect effect = sensors.calcEffect((*columns.table)[i], at.inContact());
         if (effect.spectra.size() == 0) continue;
-        maker.addWhite(static_cast<Eigen::Index>(i), at.calcMotionColumn(effect.part, effect.series, effect.spectra));
-        maker.setNoise(static_cast<Eigen::Index>(i), maker.noise().makeSensor(effect));
+        maker.addWhite(i, at.calcMotionColumn(effect.part, effect.series, effect.spectra));
+        maker.setNoise(i, maker.noise().makeSensor(effect));
     }
-    auto& mount = result.information[static_cast<std::size_t>(Block::mount)];
+    auto& mount = result.information[indexOf(Block::mount)];
     mount = maker.mount().calcInformation(unfold(at.residual().topRows(6)));
     mount.count *= calcFreedom(state.model.body).mean();
     mount.A = mount.A.topLeftCorner(columns.size(), columns.size()).eval();
@@ -285,15 +284,14 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
     mount.noise = maker.calcNoiseProducts(false);
     mount.scatter = maker.calcScatter(columns.size());
     if (at.hasBracket()) {
-        auto& bracket = result.information[static_cast<std::size_t>(Block::bracket)];
+        auto& bracket = result.information[indexOf(Block::bracket)];
         bracket = maker.bracket().calcInformation(unfold(at.residual().bottomRows(6)));
         marginalise(bracket, extra, calcTransientPrecision(at, state.model));
         bracket.noise_slopes = maker.calcNoiseSlopes(true).topRows(columns.size());
         bracket.noise = maker.calcNoiseProducts(true);
     }
     for (const Part part : {Part::mobile, Part::fixed})
-        result.information[static_cast<std::size_t>(part == Part::mobile ? Block::mobile_sensors
-                                                                         : Block::fixed_sensors)] =
+        result.information[indexOf(part == Part::mobile ? Block::mobile_sensors : Block::fixed_sensors)] =
             sensors.calcInformation(part, *columns.table, columns.wanted, columns.size());
     result.mount_residual = at.residual().topRows(6);
     for (std::size_t c = 0; c < state.model.connections.size(); ++c)
@@ -310,7 +308,7 @@ Information calcMisfit(const TestRun& run, const SensorLayout& layout, const Tes
     const Lineariser at(run, layout, state);
     Information result;
     const auto measure = [&](Block block, const Eigen::MatrixXcd& rows) {
-        auto& own = result[static_cast<std::size_t>(block)];
+        auto& own = result[indexOf(block)];
         own.A.resize(0, 0);
         own.b.resize(0);
         own.noise_slopes.resize(0, 0);
@@ -318,7 +316,7 @@ Information calcMisfit(const TestRun& run, const SensorLayout& layout, const Tes
         own.count = 2 * static_cast<double>(rows.size());
     };
     measure(Block::mount, at.residual().topRows(6));
-    result[static_cast<std::size_t>(Block::mount)].count *= calcFreedom(state.model.body).mean();
+    result[indexOf(Block::mount)].count *= calcFreedom(state.model.body).mean();
     if (at.hasBracket()) {
         measure(Block::bracket, at.residual().bottomRows(6));
         const auto modes = static_cast<int>(state.model.bracket.size());
@@ -327,11 +325,11 @@ Information calcMisfit(const TestRun& run, const SensorLayout& layout, const Tes
             for (int sine = 0; sine < 2; ++sine) transients.set(2 * j + sine, unfold(at.calcTransient(j, sine != 0)));
         BlockInformation own = transients.calcInformation(unfold(at.residual().bottomRows(6)));
         marginalise(own, 2 * modes, calcTransientPrecision(at, state.model));
-        result[static_cast<std::size_t>(Block::bracket)].chi_squared = own.chi_squared;
+        result[indexOf(Block::bracket)].chi_squared = own.chi_squared;
     }
     const SensorColumns sensors(run, layout, at.run(), at.spectra(), at.motionNoise());
     for (const Part part : {Part::mobile, Part::fixed})
-        result[static_cast<std::size_t>(part == Part::mobile ? Block::mobile_sensors : Block::fixed_sensors)] =
+        result[indexOf(part == Part::mobile ? Block::mobile_sensors : Block::fixed_sensors)] =
             sensors.calcInformation(part, {}, {}, 0);
     return result;
 }

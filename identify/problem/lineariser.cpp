@@ -47,16 +47,15 @@ void Lineariser::prepareColumns() {
     forces_.resize(axes, open_.sampleCount());
     tangent_.resize(axes, open_.sampleCount());
     rest_tangent_.resize(axes);
-    touched_.assign(static_cast<std::size_t>(axes), false);
+    touched_.assign(axes, false);
     for (Eigen::Index row = 0; row < axes; ++row) {
-        const AxisLaw& law =
-            model_.connections[static_cast<std::size_t>(row / 3)].axis[static_cast<std::size_t>(row % 3)];
+        const AxisLaw& law = model_.connections[row / 3].axis[row % 3];
         forces_.row(row) = calcAxisForce(open_, law, static_cast<int>(row / 3), static_cast<int>(row % 3)).transpose();
         const AxisForce force(law);
         rest_tangent_[row] = force.calcStaticStiffness(0);
         for (Eigen::Index k = 0; k < tangent_.cols(); ++k) {
             tangent_(row, k) = force.calcStaticStiffness(open_.q(row, k));
-            if (tangent_(row, k) != rest_tangent_[row]) touched_[static_cast<std::size_t>(row)] = in_contact_ = true;
+            if (tangent_(row, k) != rest_tangent_[row]) touched_[row] = in_contact_ = true;
         }
     }
     for (Eigen::Index row = 0; row < axes; ++row) {
@@ -117,7 +116,7 @@ Eigen::MatrixXcd Lineariser::calcLawColumn(const TestState& from, const TestStat
 }
 
 Eigen::VectorXd Lineariser::calcBurst(const Eigen::VectorXcd& spectrum, std::size_t row) const {
-    const auto axis = static_cast<Eigen::Index>(row);
+    const Eigen::Index axis = row;
     if (touched_[row] == 0) return {};
     Eigen::VectorXcd weighted(spectrum.size());
     for (Eigen::Index b = 0; b < spectrum.size(); ++b)
@@ -143,7 +142,7 @@ void Lineariser::calcBodyColumn(const TestState& to, double step, Eigen::MatrixX
 
 Eigen::MatrixXcd Lineariser::calcPositionColumn(int connection, int axis) const {
     const Eigen::Vector3d e = Eigen::Vector3d::Unit(axis);
-    const auto& laws = model_.connections[static_cast<std::size_t>(connection)].axis;
+    const auto& laws = model_.connections[connection].axis;
     Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(6, open_.sampleCount());
     Vector6 d[3];
     for (int a = 0; a < 3; ++a) d[a] = calcAxisDirection(model_, connection, a);
@@ -154,8 +153,7 @@ Eigen::MatrixXcd Lineariser::calcPositionColumn(int connection, int axis) const 
         for (int a = 0; a < 3; ++a) {
             const Eigen::Index row = 3 * connection + a;
             force[a] = forces_(row, k);
-            wrench.col(k) +=
-                d[a] * (tangent_(row, k) * moved[a] + laws[static_cast<std::size_t>(a)].damping * moving[a]);
+            wrench.col(k) += d[a] * (tangent_(row, k) * moved[a] + laws[a].damping * moving[a]);
         }
         wrench.col(k).tail<3>() += e.cross(force);
     }
@@ -163,8 +161,8 @@ Eigen::MatrixXcd Lineariser::calcPositionColumn(int connection, int axis) const 
 }
 
 Eigen::MatrixXcd Lineariser::calcModeColumn(int mode, int which) const {
-    const BracketMode& own = model_.bracket[static_cast<std::size_t>(mode)];
-    const Modal& modal = modal_[static_cast<std::size_t>(mode)];
+    const BracketMode& own = model_.bracket[mode];
+    const Modal& modal = modal_[mode];
     const double w0 = kTwoPi * own.frequency;
     Eigen::MatrixXcd white = modal.white;
     for (Eigen::Index b = 0; b < white.cols(); ++b) {
@@ -176,7 +174,7 @@ Eigen::MatrixXcd Lineariser::calcModeColumn(int mode, int which) const {
 }
 
 Eigen::MatrixXcd Lineariser::calcShapeColumn(int mode, int entry) const {
-    const Modal& modal = modal_[static_cast<std::size_t>(mode)];
+    const Modal& modal = modal_[mode];
     Eigen::MatrixXcd white = modal.white;
     for (Eigen::Index b = 0; b < white.cols(); ++b) {
         // With a load point of the model's own the bracket's is not loaded.
@@ -229,7 +227,7 @@ Eigen::MatrixXd Lineariser::calcHatLoad(const LoadHat& hat, double& share) const
 }
 
 Eigen::MatrixXcd Lineariser::calcTransient(int mode, bool sine) const {
-    const BracketMode& own = model_.bracket[static_cast<std::size_t>(mode)];
+    const BracketMode& own = model_.bracket[mode];
     const double w = kTwoPi * own.frequency;
     const Eigen::ArrayXd phase = w * open_.time.array();
     const Eigen::RowVectorXd decay =
@@ -255,7 +253,7 @@ Eigen::MatrixXcd Lineariser::calcMotionColumn(Part part, const Eigen::MatrixXd& 
     const double sign = mobile ? 1.0 : -1.0;
     Eigen::MatrixXd contact = Eigen::MatrixXd::Zero(6, series.cols());
     for (Eigen::Index row = 0; row < tangent_.rows(); ++row) {
-        if (!touched_[static_cast<std::size_t>(row)]) continue;
+        if (!touched_[row]) continue;
         const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
         const Eigen::RowVectorXd q = d.transpose() * series;
         contact += d * (sign * (tangent_.row(row).array() - rest_tangent_[row]) * q.array()).matrix();

@@ -28,7 +28,7 @@ Eigen::MatrixXd calcLoadWrench(const OpenLoopRun& run, const LoadPoint& point,
     Eigen::MatrixXd wrench(6, load.cols());
     for (Eigen::Index k = 0; k < load.cols(); ++k) {
         const Eigen::Vector3d force = load.col(k);
-        wrench.col(k) << force, (R[static_cast<std::size_t>(k)] * point.position).cross(force);
+        wrench.col(k) << force, (R[k] * point.position).cross(force);
     }
     return wrench;
 }

@@ -55,7 +55,7 @@ Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int co
     const int count = run.sampleCount();
     Eigen::VectorXd result(count);
     const auto& branches = force.branches();
-    std::vector<double> z(static_cast<std::size_t>(force.stateCount()), 0.0);
+    std::vector<double> z(force.stateCount(), 0.0);
     std::vector<BranchStep> steps;
     for (std::size_t b = 0; b < branches.size(); ++b) {
         steps.push_back(makeBranchStep(run.interval, branches[b].time_constant));
@@ -79,9 +79,9 @@ Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int co
 
 void addAxisWrench(const OpenLoopRun& run, const MountModel& model, int connection, int axis,
                    const Eigen::Ref<const Eigen::VectorXd>& f, Eigen::MatrixXd& wrench) {
-    const Eigen::Vector3d position = model.connections[static_cast<std::size_t>(connection)].position;
+    const Eigen::Vector3d position = model.connections[connection].position;
     for (int k = 0; k < run.sampleCount(); ++k) {
-        const auto s = static_cast<std::size_t>(k);
+        const std::size_t s = k;
         const Eigen::Vector3d force = f[k] * axisDirection(run, s, axis);
         wrench.block<3, 1>(0, k) += force;
         wrench.block<3, 1>(3, k) += (run.mobile.R[s] * position).cross(force);
@@ -91,7 +91,7 @@ void addAxisWrench(const OpenLoopRun& run, const MountModel& model, int connecti
 Eigen::MatrixXd calcDemand(const OpenLoopRun& run, const MobileBody& body, const Eigen::Vector3d& gravity) {
     Eigen::MatrixXd demand(6, run.sampleCount());
     for (int k = 0; k < run.sampleCount(); ++k) {
-        const Eigen::Matrix3d& R = run.mobile.R[static_cast<std::size_t>(k)];
+        const Eigen::Matrix3d& R = run.mobile.R[k];
         const Eigen::Vector3d c = R * body.center_of_gravity, w = run.mobile.w.col(k), alpha = run.mobile.alpha.col(k);
         const Eigen::Vector3d a = run.mobile.a.col(k) + alpha.cross(c) + w.cross(w.cross(c)) - gravity;
         const Eigen::Matrix3d inertia = R * body.inertia * R.transpose();
@@ -108,7 +108,7 @@ Eigen::MatrixXd calcMountResidual(const OpenLoopRun& run, const MountModel& mode
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
             const auto c = static_cast<int>(i);
-            const auto& law = model.connections[i].axis[static_cast<std::size_t>(a)];
+            const auto& law = model.connections[i].axis[a];
             addAxisWrench(run, model, c, a, calcAxisForce(run, law, c, a), wrench);
         }
     return wrench;
@@ -132,8 +132,7 @@ Eigen::MatrixXd calcMountDifference(const OpenLoopRun& run, const MountModel& fr
     for (std::size_t i = 0; i < to.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
             const auto c = static_cast<int>(i);
-            const auto &before = from.connections[i].axis[static_cast<std::size_t>(a)],
-                       &after = to.connections[i].axis[static_cast<std::size_t>(a)];
+            const auto &before = from.connections[i].axis[a], &after = to.connections[i].axis[a];
             if (before == after) continue;
             const Eigen::VectorXd force = calcAxisForce(run, after, c, a) - calcAxisForce(run, before, c, a);
             if (force.isZero(0.0)) continue;  // such as a stop that is not reached

@@ -36,11 +36,11 @@ NoiseDensity::NoiseDensity(const Eigen::MatrixXd& residuals, int freedom, double
         window[k] = std::pow(std::sin(kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(length)), 4);
     const double gain = window.squaredNorm();
     const Eigen::Index hop = std::max<Eigen::Index>(1, length / 3);
-    std::vector<std::vector<double>> power(static_cast<std::size_t>(fourier.binCount()));
+    std::vector<std::vector<double>> power(fourier.binCount());
     for (Eigen::Index first = 0; first + length <= samples; first += hop) {
         const Eigen::MatrixXcd spectra = fourier.forward(residuals.middleCols(first, length) * window.asDiagonal());
         for (Eigen::Index b = 0; b < spectra.cols(); ++b)
-            power[static_cast<std::size_t>(b)].push_back(spectra.col(b).squaredNorm() / (gain * freedom));
+            power[b].push_back(spectra.col(b).squaredNorm() / (gain * freedom));
     }
     const double ratio = calcQuartileRatio(2.0 * freedom);
     for (auto& values : power) {

@@ -36,11 +36,11 @@ SmoothPart smooth(const PartMotion& part, const SmoothingKernel& kernel, int ste
     const Eigen::Index count = result.p.cols();
     result.w.resize(3, count);
     result.alpha.resize(3, count);
-    result.R.resize(static_cast<std::size_t>(count));
+    result.R.resize(count);
     for (Eigen::Index k = 0; k < count; ++k) {
         const Eigen::Vector3d theta = result.theta.col(k), u = rate.col(k), u2 = rate2.col(k);
         const Eigen::Matrix3d B = leftJacobian(theta);
-        result.R[static_cast<std::size_t>(k)] = rotationFromVector(theta);
+        result.R[k] = rotationFromVector(theta);
         result.w.col(k) = B * u;
         // d/dt B(θ) to second order in θ: B = 1 + [θ]×/2 + [θ]×²/6.
         const Eigen::Matrix3d T = crossMatrix(theta), U = crossMatrix(u);
@@ -74,7 +74,7 @@ double calcDensity(const PartMotion& part, const Eigen::Matrix<double, 6, 1>& di
 Eigen::MatrixXd calcVelocityDensity(const RunMotion& run, const MountModel& model, const ExcitedBand& band,
                                     double interval, double lowest) {
     const int frame = velocityNoiseFrame(interval, band.lowest);
-    Eigen::MatrixXd density(3 * static_cast<Eigen::Index>(model.connections.size()), frame / 2 + 1);
+    Eigen::MatrixXd density(3 * model.connections.size(), frame / 2 + 1);
     for (Eigen::Index row = 0; row < density.rows(); ++row) {
         const auto direction = calcAxisDirection(model, static_cast<int>(row / 3), static_cast<int>(row % 3));
         for (Eigen::Index b = 0; b < density.cols(); ++b) {
@@ -127,16 +127,15 @@ Eigen::VectorXd makeWindow(const OpenLoopRun& run, double edge) {
 void calcRelative(const MountModel& model, const SmoothPart& mobile, const SmoothPart& fixed, Eigen::MatrixXd& q,
                   Eigen::MatrixXd& v) {
     const auto count = mobile.p.cols();
-    const auto connections = static_cast<Eigen::Index>(model.connections.size());
+    const Eigen::Index connections = model.connections.size();
     q.resize(3 * connections, count);
     v.resize(3 * connections, count);
     for (Eigen::Index k = 0; k < count; ++k) {
-        const auto s = static_cast<std::size_t>(k);
+        const std::size_t s = k;
         const BodyMotion body{mobile.R[s], mobile.p.col(k), mobile.w.col(k), mobile.v.col(k)};
         const FrameMotion frame{fixed.R[s], fixed.p.col(k), fixed.w.col(k), fixed.v.col(k)};
         for (Eigen::Index i = 0; i < connections; ++i) {
-            const auto motion =
-                calcRelativeMotion(body, frame, model.connections[static_cast<std::size_t>(i)].position);
+            const auto motion = calcRelativeMotion(body, frame, model.connections[i].position);
             q.block<3, 1>(3 * i, k) = motion.q;
             v.block<3, 1>(3 * i, k) = motion.v;
         }

@@ -12,7 +12,7 @@ Matrix6 sumAxes(const MountModel& model, double AxisLaw::*coefficient) {
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
             const Vector6 d = calcAxisDirection(model, static_cast<int>(i), a);
-            sum += model.connections[i].axis[static_cast<std::size_t>(a)].*coefficient * d * d.transpose();
+            sum += model.connections[i].axis[a].*coefficient * d * d.transpose();
         }
     return sum;
 }
@@ -22,7 +22,7 @@ Matrix6 sumAxes(const MountModel& model, double AxisLaw::*coefficient) {
 Vector6 calcAxisDirection(const MountModel& model, int connection, int axis) {
     Vector6 d;
     const Eigen::Vector3d e = Eigen::Vector3d::Unit(axis);
-    d << e, model.connections[static_cast<std::size_t>(connection)].position.cross(e);
+    d << e, model.connections[connection].position.cross(e);
     return d;
 }
 
@@ -35,7 +35,7 @@ Matrix6 calcMassMatrix(const MobileBody& body) {
 
 Vector6 calcFreedom(const MobileBody& body) {
     Vector6 freedom;
-    for (std::size_t i = 0; i < body.free.size(); ++i) freedom[static_cast<Eigen::Index>(i)] = body.free[i] ? 1 : 0;
+    for (std::size_t i = 0; i < body.free.size(); ++i) freedom[i] = body.free[i] ? 1 : 0;
     return freedom;
 }
 

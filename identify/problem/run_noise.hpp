@@ -94,22 +94,16 @@ public:
 
     Eigen::Index binCount() const { return static_cast<Eigen::Index>(whiteners_.size()); }
     /// Inverse of R's Cholesky factor at a bin; rows and columns from 6 on belong to the bracket.
-    const Matrix12c& whitener(Eigen::Index bin) const { return whiteners_[static_cast<std::size_t>(bin)]; }
+    const Matrix12c& whitener(Eigen::Index bin) const { return whiteners_[bin]; }
     /// With L⁻¹ the whitener: P Aᴴ L⁻ᴴ (rows mobile above fixed part) and L⁻¹ A at a bin.
-    const Matrix12c& regressorNoise(Eigen::Index bin) const { return regressors_[static_cast<std::size_t>(bin)]; }
-    const Matrix12c& whitenedMotion(Eigen::Index bin) const { return motions_[static_cast<std::size_t>(bin)]; }
+    const Matrix12c& regressorNoise(Eigen::Index bin) const { return regressors_[bin]; }
+    const Matrix12c& whitenedMotion(Eigen::Index bin) const { return motions_[bin]; }
     /// S_l Bᴴ L⁻ᴴ at a bin, S_l the load's noise.
-    const Eigen::Matrix<std::complex<double>, 3, 12>& loadNoise(Eigen::Index bin) const {
-        return load_noises_[static_cast<std::size_t>(bin)];
-    }
+    const Eigen::Matrix<std::complex<double>, 3, 12>& loadNoise(Eigen::Index bin) const { return load_noises_[bin]; }
     /// L⁻¹ B at a bin: what unit loads along the axes make of the equations.
-    const Eigen::Matrix<std::complex<double>, 12, 3>& whitenedLoad(Eigen::Index bin) const {
-        return loads_[static_cast<std::size_t>(bin)];
-    }
+    const Eigen::Matrix<std::complex<double>, 12, 3>& whitenedLoad(Eigen::Index bin) const { return loads_[bin]; }
     /// Φ H Φᵀ at a bin.
-    const Eigen::Matrix<std::complex<double>, 6, 6>& receptance(Eigen::Index bin) const {
-        return receptances_[static_cast<std::size_t>(bin)];
-    }
+    const Eigen::Matrix<std::complex<double>, 6, 6>& receptance(Eigen::Index bin) const { return receptances_[bin]; }
 
     /// The noise of the motions (mobile above fixed part) and the load (P above) at some of the bins, for sums that
     /// need not all.

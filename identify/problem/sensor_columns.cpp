@@ -55,13 +55,12 @@ SensorColumns::SensorColumns(const TestRun& test, const SensorLayout& layout, co
         group.inverse = svd.matrixV().leftCols(group.rank) * values.head(group.rank).cwiseInverse().asDiagonal() *
                         svd.matrixU().leftCols(group.rank).transpose();
         const SmoothPart& part = group.part == Part::mobile ? run.mobile : run.fixed;
-        group.reading.resize(static_cast<Eigen::Index>(samples.channels.size()), run.sampleCount());
+        group.reading.resize(samples.channels.size(), run.sampleCount());
         for (Eigen::Index k = 0; k < group.reading.cols(); ++k)
             for (Eigen::Index c = 0; c < group.reading.rows(); ++c)
-                group.reading(c, k) = calcChannelMotion(
-                    layout.channels[static_cast<std::size_t>(samples.channels[static_cast<std::size_t>(c)])],
-                    group.derivative, part.R[static_cast<std::size_t>(k)], part.p.col(k), part.w.col(k), part.a.col(k),
-                    part.alpha.col(k));
+                group.reading(c, k) =
+                    calcChannelMotion(layout.channels[samples.channels[c]], group.derivative, part.R[k], part.p.col(k),
+                                      part.w.col(k), part.a.col(k), part.alpha.col(k));
         Eigen::MatrixXd residual = kernel.apply(samples.values, 0, step) - group.reading;
         residual.colwise() -= residual.rowwise().mean().eval();
         group.residual = spectra.transform(residual);
@@ -102,8 +101,8 @@ std::vector<SensorColumns::Change> SensorColumns::calcChanges(const Unknown& row
         const SmoothPart& part = group.part == Part::mobile ? run_.mobile : run_.fixed;
         const bool displacement = group.derivative == Derivative::displacement;
         for (std::size_t c = 0; c < group.channels.size(); ++c) {
-            const auto& channel = layout_.channels[static_cast<std::size_t>(group.channels[c])];
-            const auto index = static_cast<Eigen::Index>(c);
+            const auto& channel = layout_.channels[group.channels[c]];
+            const Eigen::Index index = c;
             Eigen::RowVectorXd signal;
             Vector6 from = group.design.row(index).transpose();
             switch (row.kind) {
@@ -124,8 +123,8 @@ std::vector<SensorColumns::Change> SensorColumns::calcChanges(const Unknown& row
                     from << across.direction, across.position.cross(across.direction);
                     signal.resize(run_.sampleCount());
                     for (Eigen::Index k = 0; k < signal.size(); ++k)
-                        signal[k] = calcChannelMotion(across, group.derivative, part.R[static_cast<std::size_t>(k)],
-                                                      part.p.col(k), part.w.col(k), part.a.col(k), part.alpha.col(k));
+                        signal[k] = calcChannelMotion(across, group.derivative, part.R[k], part.p.col(k), part.w.col(k),
+                                                      part.a.col(k), part.alpha.col(k));
                     break;
                 }
                 case UnknownKind::station_place: {
@@ -198,9 +197,9 @@ Eigen::MatrixXd SensorColumns::calcGainSlopes(const std::vector<const Group*>& g
         for (const Group* group : {displacement, acceleration})
             for (std::size_t c = 0; c < group->channels.size(); ++c) {
                 if (group->channels[c] != table[i].first) continue;
-                const auto channel = static_cast<Eigen::Index>(c);
+                const Eigen::Index channel = c;
                 const double own = group->design.row(channel).dot(group->inverse.col(channel));
-                slopes(static_cast<Eigen::Index>(i), 0) = (group == displacement ? -2 : 2) * own * sum;
+                slopes(i, 0) = (group == displacement ? -2 : 2) * own * sum;
             }
     }
     return slopes;
@@ -267,11 +266,11 @@ BlockInformation SensorColumns::calcInformation(Part part, const UnknownTable& t
             auto own = white.middleRows(first[g], groups[g]->residual.rows());
             own = (own * weight[g].asDiagonal()).eval();
         }
-        used.push_back(static_cast<Eigen::Index>(i));
+        used.push_back(i);
         columns.push_back(unfold(white).cast<float>());
     }
-    Eigen::MatrixXd J(residual.size(), static_cast<Eigen::Index>(columns.size()));
-    for (std::size_t c = 0; c < columns.size(); ++c) J.col(static_cast<Eigen::Index>(c)) = columns[c].cast<double>();
+    Eigen::MatrixXd J(residual.size(), columns.size());
+    for (std::size_t c = 0; c < columns.size(); ++c) J.col(c) = columns[c].cast<double>();
     block.A = Eigen::MatrixXd::Zero(size, size);
     block.b = Eigen::VectorXd::Zero(size);
     block.noise_slopes = calcGainSlopes(groups, table, size);

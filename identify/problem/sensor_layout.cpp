@@ -51,14 +51,13 @@ void addBase(const std::vector<Recording>& recordings, SensorLayout& layout) {
 std::vector<double> shiftSamples(const std::vector<double>& x, double shift) {
     const auto count = static_cast<long>(x.size());
     std::vector<double> result(x.size());
-    const auto at = [&](long k) { return x[static_cast<std::size_t>(std::clamp(k, 0L, count - 1))]; };
+    const auto at = [&](long k) { return x[std::clamp(k, 0L, count - 1)]; };
     const auto whole = static_cast<long>(std::floor(shift));
     const double u = shift - static_cast<double>(whole);
     for (long k = 0; k < count; ++k) {
         const long i = k + whole;
-        result[static_cast<std::size_t>(k)] =
-            -at(i - 1) * u * (u - 1) * (u - 2) / 6 + at(i) * (u + 1) * (u - 1) * (u - 2) / 2 -
-            at(i + 1) * (u + 1) * u * (u - 2) / 2 + at(i + 2) * (u + 1) * u * (u - 1) / 6;
+        result[k] = -at(i - 1) * u * (u - 1) * (u - 2) / 6 + at(i) * (u + 1) * (u - 1) * (u - 2) / 2 -
+                    at(i + 1) * (u + 1) * u * (u - 2) / 2 + at(i + 2) * (u + 1) * u * (u - 1) / 6;
     }
     return result;
 }
@@ -78,14 +77,14 @@ void removeHighPass(std::vector<double>& y, double corner, double interval) {
 /// Motion of the point `position`, as displacement from rest or acceleration, without what the sensor has wrong.
 /// What a step of a point on a part makes of its motion, at each sample (3 x 3).
 std::vector<Eigen::Matrix3d> calcPlaceEffect(const PartMotion& part, Derivative derivative) {
-    std::vector<Eigen::Matrix3d> effect(static_cast<std::size_t>(part.theta.cols()));
+    std::vector<Eigen::Matrix3d> effect(part.theta.cols());
     for (Eigen::Index k = 0; k < part.theta.cols(); ++k) {
         const Eigen::Matrix3d R = rotationFromVector(part.theta.col(k));
         if (derivative == Derivative::displacement) {
-            effect[static_cast<std::size_t>(k)] = R - Eigen::Matrix3d::Identity();
+            effect[k] = R - Eigen::Matrix3d::Identity();
         } else {
             const Eigen::Matrix3d spin = crossMatrix(part.w.col(k));
-            effect[static_cast<std::size_t>(k)] = (crossMatrix(part.alpha.col(k)) + spin * spin) * R;
+            effect[k] = (crossMatrix(part.alpha.col(k)) + spin * spin) * R;
         }
     }
     return effect;
@@ -148,10 +147,10 @@ SensorLayout makeSensorLayout(const std::vector<Recording>& recordings, const Mo
 }
 
 SensorErrors::SensorErrors(const SensorLayout& layout)
-    : gain(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.channels.size()))),
+    : gain(Eigen::VectorXd::Zero(layout.channels.size())),
       delay(gain),
-      rotation(Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(layout.triaxes.size()))),
-      place(Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(layout.stations.size()))) {}
+      rotation(Eigen::Matrix3Xd::Zero(3, layout.triaxes.size())),
+      place(Eigen::Matrix3Xd::Zero(3, layout.stations.size())) {}
 
 bool SensorErrors::operator==(const SensorErrors& other) const {
     return gain == other.gain && delay == other.delay && rotation == other.rotation && place == other.place &&
@@ -172,8 +171,8 @@ Recording correctSensors(const Recording& recording, const SensorLayout& layout,
     for (Channel& channel : result.channels) {
         const int index = layout.findChannel(channel.name);
         if (index < 0) continue;
-        const SensorChannel& sensor = layout.channels[static_cast<std::size_t>(index)];
-        const SensorGroup& group = layout.groups[static_cast<std::size_t>(sensor.group)];
+        const SensorChannel& sensor = layout.channels[index];
+        const SensorGroup& group = layout.groups[sensor.group];
         const double gain = 1 + errors.gain[index];
         if (gain != 1)
             for (double& value : channel.values) value /= gain;
@@ -182,18 +181,17 @@ Recording correctSensors(const Recording& recording, const SensorLayout& layout,
         if (group.derivative == Derivative::acceleration && corner != 0)
             removeHighPass(channel.values, corner, interval);
         for (int a = 0; a < 3; ++a)
-            if (sensor.direction == Eigen::Vector3d::Unit(a))
-                triads[static_cast<std::size_t>(sensor.triax)][static_cast<std::size_t>(a)] = &channel;
+            if (sensor.direction == Eigen::Vector3d::Unit(a)) triads[sensor.triax][a] = &channel;
     }
     for (std::size_t t = 0; t < triads.size(); ++t) {
         const auto& triad = triads[t];
-        const Eigen::Vector3d rotation = errors.rotation.col(static_cast<Eigen::Index>(t));
+        const Eigen::Vector3d rotation = errors.rotation.col(t);
         if (!triad[0] || !triad[1] || !triad[2] || rotation.isZero(0.0)) continue;
         const Eigen::Matrix3d back = rotationFromVector(rotation).transpose();
         for (std::size_t k = 0; k < triad[0]->values.size(); ++k) {
             const Eigen::Vector3d v =
                 back * Eigen::Vector3d(triad[0]->values[k], triad[1]->values[k], triad[2]->values[k]);
-            for (std::size_t a = 0; a < 3; ++a) triad[a]->values[k] = v[static_cast<Eigen::Index>(a)];
+            for (std::size_t a = 0; a < 3; ++a) triad[a]->values[k] = v[a];
         }
     }
     if (motion == nullptr) return result;
@@ -201,9 +199,9 @@ Recording correctSensors(const Recording& recording, const SensorLayout& layout,
     for (Channel& channel : result.channels) {
         const int index = layout.findChannel(channel.name);
         if (index < 0) continue;
-        const SensorChannel& sensor = layout.channels[static_cast<std::size_t>(index)];
-        const SensorGroup& group = layout.groups[static_cast<std::size_t>(sensor.group)];
-        const auto& triad = triads[static_cast<std::size_t>(sensor.triax)];
+        const SensorChannel& sensor = layout.channels[index];
+        const SensorGroup& group = layout.groups[sensor.group];
+        const auto& triad = triads[sensor.triax];
         const Eigen::Vector3d place = errors.place.col(sensor.station);
         Eigen::Vector3d rotation = errors.rotation.col(sensor.triax);
         if (triad[0] && triad[1] && triad[2]) rotation.setZero();  // done above
@@ -217,8 +215,8 @@ Recording correctSensors(const Recording& recording, const SensorLayout& layout,
         }
         if (rotation.isZero(0.0)) continue;
         for (std::size_t k = 0; k < channel.values.size(); ++k)
-            channel.values[k] -= sensor.direction.dot(rotation.cross(
-                calcPointMotion(part, group.derivative, sensor.position + place, static_cast<Eigen::Index>(k))));
+            channel.values[k] -= sensor.direction.dot(
+                rotation.cross(calcPointMotion(part, group.derivative, sensor.position + place, k)));
     }
     return result;
 }

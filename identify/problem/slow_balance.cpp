@@ -23,7 +23,7 @@ constexpr double kSettledMotion = 1e-8;  // m RMS, far below any noise
 
 SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model)
     : corner_(kCorner * run.lowest), interval_(run.interval), taper_(run.taper), freedom_(calcFreedom(model.body)) {
-    const auto samples = static_cast<Eigen::Index>(run.sampleCount());
+    const Eigen::Index samples = run.sampleCount();
     splines_ = calcWeights(samples - 1).first + 4;
     // A fixed part that moves slowly takes no inertia force of the mobile one.
     Matrix6 M = run.mobile_integrated ? calcMassMatrix(model.body) : Matrix6::Zero();
@@ -31,21 +31,20 @@ SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model)
     const double stiffest = calcStiffnessMatrix(model).diagonal().maxCoeff();
     holdMotions(M, freedom_, 0);
     holdMotions(least, freedom_, kLeastTangent * stiffest);
-    tangent_.assign(static_cast<std::size_t>(samples), Matrix6::Zero());
+    tangent_.assign(samples, Matrix6::Zero());
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
-            const AxisForce force(model.connections[i].axis[static_cast<std::size_t>(a)]);
+            const AxisForce force(model.connections[i].axis[a]);
             const auto d = calcAxisDirection(model, static_cast<int>(i), a);
             const Matrix6 along = d * d.transpose();
             const Eigen::Index row = 3 * static_cast<Eigen::Index>(i) + a;
-            for (Eigen::Index k = 0; k < samples; ++k)
-                tangent_[static_cast<std::size_t>(k)] += force.calcStaticStiffness(run.q(row, k)) * along;
+            for (Eigen::Index k = 0; k < samples; ++k) tangent_[k] += force.calcStaticStiffness(run.q(row, k)) * along;
         }
     for (Matrix6& own : tangent_) holdMotions(own, freedom_, stiffest);
-    std::vector<Matrix6> blocks(4 * static_cast<std::size_t>(splines_), Matrix6::Zero());
+    std::vector<Matrix6> blocks(4 * splines_, Matrix6::Zero());
     for (Eigen::Index k = 0; k < samples; ++k) {
         const auto weights = calcWeights(k);
-        const Matrix6& K = tangent_[static_cast<std::size_t>(k)];
+        const Matrix6& K = tangent_[k];
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j <= i; ++j) {
                 // By parts: the splines' second derivatives become products of their first.
@@ -60,7 +59,7 @@ SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model)
     entries.reserve(144 * static_cast<std::size_t>(splines_));
     for (Eigen::Index s = 0; s < splines_; ++s)
         for (Eigen::Index back = 0; back <= std::min<Eigen::Index>(3, s); ++back) {
-            const Matrix6& block = blocks[static_cast<std::size_t>(4 * s + back)];
+            const Matrix6& block = blocks[4 * s + back];
             for (int i = 0; i < 6; ++i)
                 for (int j = 0; j < 6; ++j)
                     entries.emplace_back(static_cast<int>(6 * s + i), static_cast<int>(6 * (s - back) + j),
@@ -124,8 +123,7 @@ Eigen::MatrixXd SlowBalance::calcMotion(const Eigen::Ref<const Eigen::VectorXd>&
 
 Eigen::MatrixXd SlowBalance::calcForces(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const {
     Eigen::MatrixXd forces = calcMotion(coefficients, 0);
-    for (Eigen::Index k = 0; k < forces.cols(); ++k)
-        forces.col(k) = (tangent_[static_cast<std::size_t>(k)] * forces.col(k)).eval();
+    for (Eigen::Index k = 0; k < forces.cols(); ++k) forces.col(k) = (tangent_[k] * forces.col(k)).eval();
     return forces;
 }
 
@@ -149,8 +147,7 @@ void followSlowMotion(OpenLoopRun& run, const MountModel& model) {
         part.w += v.bottomRows(3);
         part.a += a.topRows(3);
         part.alpha += a.bottomRows(3);
-        for (Eigen::Index k = 0; k < part.theta.cols(); ++k)
-            part.R[static_cast<std::size_t>(k)] = rotationFromVector(part.theta.col(k));
+        for (Eigen::Index k = 0; k < part.theta.cols(); ++k) part.R[k] = rotationFromVector(part.theta.col(k));
         calcRelative(model, moved.mobile, moved.fixed, moved.q, moved.v);
         moved.quiet_v += moved.v - run.v;
         return moved;

@@ -82,9 +82,9 @@ private:
     }
 
     void addAxis(int i, int a) {
-        const Connection& connection = model_.connections[static_cast<std::size_t>(i)];
-        const AxisLaw& law = connection.axis[static_cast<std::size_t>(a)];
-        const Tolerances& own = connection.axis_tolerances[static_cast<std::size_t>(a)];
+        const Connection& connection = model_.connections[i];
+        const AxisLaw& law = connection.axis[a];
+        const Tolerances& own = connection.axis_tolerances[a];
         const double k = law.stiffness > 0 ? law.stiffness : largest_stiffness_;
         const double q = scales_.displacement, v = scales_.velocity;
         const double force = k * q;
@@ -178,14 +178,13 @@ private:
                 for (const auto& stop : law.stops) largest_stop_ = std::max(largest_stop_, stop.stiffness);
             }
         for (int i = 0; i < static_cast<int>(model_.connections.size()); ++i) {
-            const auto c = static_cast<std::size_t>(i);
+            const std::size_t c = i;
             const Connection& connection = model_.connections[c];
             for (int a = 0; a < 3; ++a) addAxis(i, a);
             const double known = tolerance(ToleranceOf::position, connection.tolerances);
             for (int a = 0; a < 3; ++a)
                 add(
-                    UnknownKind::position, connection.name + ".position." + kAxes[static_cast<std::size_t>(a)], "m",
-                    known, 1e-2, i, a,
+                    UnknownKind::position, connection.name + ".position." + kAxes[a], "m", known, 1e-2, i, a,
                     [c, a](const TestState& state) { return state.model.connections[c].position[a]; },
                     [c, a](TestState& state, double value) { state.model.connections[c].position[a] = value; });
         }
@@ -202,7 +201,7 @@ private:
         if (size == 0) size = std::sqrt(body.inertia.trace() / body.mass);
         for (int a = 0; a < 3; ++a)
             add(
-                UnknownKind::body, std::string("body.center_of_gravity.") + kAxes[static_cast<std::size_t>(a)], "m",
+                UnknownKind::body, std::string("body.center_of_gravity.") + kAxes[a], "m",
                 tolerance(ToleranceOf::center_of_gravity, body.tolerances), size, 1, a,
                 [a](const TestState& state) { return state.model.body.center_of_gravity[a]; },
                 [a](TestState& state, double value) { state.model.body.center_of_gravity[a] = value; });
@@ -222,8 +221,8 @@ private:
         const double spin = body.inertia.trace() / 3 * kTwoPi * std::sqrt(scales_.lowest * scales_.highest);
         for (int a = 0; a < 3; ++a)
             add(
-                UnknownKind::body, std::string("body.spin.") + kAxes[static_cast<std::size_t>(a)], "N m s", 0, spin, 3,
-                a, [a](const TestState& state) { return state.model.body.spin[a]; },
+                UnknownKind::body, std::string("body.spin.") + kAxes[a], "N m s", 0, spin, 3, a,
+                [a](const TestState& state) { return state.model.body.spin[a]; },
                 [a](TestState& state, double value) { state.model.body.spin[a] = value; });
     }
 
@@ -251,7 +250,7 @@ private:
     }
 
     void addShape(int index, const char* prefix, Eigen::Vector3d BracketMode::*member, int first) {
-        const auto j = static_cast<std::size_t>(index);
+        const std::size_t j = index;
         const BracketMode& mode = model_.bracket[j];
         const bool turns = first == 3;
         const double size =
@@ -259,7 +258,7 @@ private:
                   : std::max(mode.translation.cwiseAbs().maxCoeff(), mode.load_translation.cwiseAbs().maxCoeff());
         for (int a = 0; a < 3; ++a)
             add(
-                UnknownKind::shape, std::to_string(index + 1) + "." + prefix + kAxes[static_cast<std::size_t>(a)],
+                UnknownKind::shape, std::to_string(index + 1) + "." + prefix + kAxes[a],
                 turns ? "kg^-1/2 m^-1" : "kg^-1/2", tolerance(ToleranceOf::mode_shape, mode.tolerances) * size, size,
                 index, first + a,
                 [j, member, a](const TestState& state) { return (state.model.bracket[j].*member)[a]; },
@@ -285,7 +284,7 @@ private:
         if (std::count(loaded.begin(), loaded.end(), true) < 2) return;
         for (std::size_t a = 0; a < 3; ++a) {
             if (!loaded.at(a)) continue;
-            const auto axis = static_cast<Eigen::Index>(a);
+            const Eigen::Index axis = a;
             add(
                 UnknownKind::load, std::string("load.gain.") + kAxes[a], "-", known, 0.5, 0, static_cast<int>(a),
                 [axis](const TestState& state) { return state.model.load ? state.model.load->axis_gain[axis] : 1.0; },
@@ -310,8 +309,8 @@ private:
         };
         for (std::size_t c = 0; c < layout_.channels.size(); ++c) {
             const auto& channel = layout_.channels[c];
-            const auto own = ownOf(channel.name, layout_.stations[static_cast<std::size_t>(channel.station)]);
-            const auto index = static_cast<Eigen::Index>(c);
+            const auto own = ownOf(channel.name, layout_.stations[channel.station]);
+            const Eigen::Index index = c;
             const int id = static_cast<int>(c);
             add(
                 UnknownKind::channel_gain, channel.name + ".gain", "-", tolerance(ToleranceOf::sensor_gain, own), 0.3,
@@ -326,9 +325,9 @@ private:
             const auto& triax = layout_.triaxes[t];
             const auto own = ownOf(triax.name, triax.name);
             for (int a = 0; a < 3; ++a) {
-                const auto index = static_cast<Eigen::Index>(t);
+                const Eigen::Index index = t;
                 add(
-                    UnknownKind::triax_rotation, triax.name + ".r" + kAxes[static_cast<std::size_t>(a)], "rad",
+                    UnknownKind::triax_rotation, triax.name + ".r" + kAxes[a], "rad",
                     tolerance(ToleranceOf::sensor_rotation, own), 0.3, static_cast<int>(t), a,
                     [index, a](const TestState& state) { return state.sensors.rotation(a, index); },
                     [index, a](TestState& state, double value) { state.sensors.rotation(a, index) = value; });
@@ -337,10 +336,10 @@ private:
         for (std::size_t s = 0; s < layout_.stations.size(); ++s) {
             const auto own = ownOf(layout_.stations[s], layout_.stations[s]);
             for (int a = 0; a < 3; ++a) {
-                const auto index = static_cast<Eigen::Index>(s);
+                const Eigen::Index index = s;
                 add(
-                    UnknownKind::station_place, layout_.stations[s] + ".position." + kAxes[static_cast<std::size_t>(a)],
-                    "m", tolerance(ToleranceOf::sensor_position, own), 1e-2, static_cast<int>(s), a,
+                    UnknownKind::station_place, layout_.stations[s] + ".position." + kAxes[a], "m",
+                    tolerance(ToleranceOf::sensor_position, own), 1e-2, static_cast<int>(s), a,
                     [index, a](const TestState& state) { return state.sensors.place(a, index); },
                     [index, a](TestState& state, double value) { state.sensors.place(a, index) = value; });
             }

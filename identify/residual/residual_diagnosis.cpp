@@ -44,8 +44,8 @@ public:
     }
 
 private:
-    const Hypothesis& at(int h) const { return problem_.hypotheses()[static_cast<std::size_t>(h)]; }
-    const Unknown& row(int index) const { return problem_.table()[static_cast<std::size_t>(index)]; }
+    const Hypothesis& at(int h) const { return problem_.hypotheses()[h]; }
+    const Unknown& row(int index) const { return problem_.table()[index]; }
 
     /// Error below which 95 of 100 draws of the numbers lie, with the noise.
     double calcBand() const {

@@ -20,8 +20,8 @@ constexpr double kLeastSquare = 1e-20;                                   // of t
 }  // namespace
 
 Eigen::VectorXd ResidualProblem::believedValues() const {
-    Eigen::VectorXd values(static_cast<Eigen::Index>(table_.size()));
-    for (std::size_t i = 0; i < table_.size(); ++i) values[static_cast<Eigen::Index>(i)] = table_[i].believed;
+    Eigen::VectorXd values(table_.size());
+    for (std::size_t i = 0; i < table_.size(); ++i) values[i] = table_[i].believed;
     return values;
 }
 
@@ -31,38 +31,37 @@ double ResidualProblem::countSamples(const Eigen::VectorXd& residual) {
 
 ResidualFit ResidualProblem::fit(const HypothesisSet& set, double samples, const Eigen::VectorXd& start,
                                  const std::vector<std::pair<int, double>>& held) const {
-    const auto rows = static_cast<Eigen::Index>(table_.size());
+    const Eigen::Index rows = table_.size();
     Eigen::VectorXd base = believedValues();
     std::vector<char> is_held(table_.size(), 0);
-    for (const auto& [row, value] : held) is_held[static_cast<std::size_t>(row)] = 1;
+    for (const auto& [row, value] : held) is_held[row] = 1;
     // Columns of V: tolerances, then directions.
     std::vector<Eigen::VectorXd> columns;
     double odds = 0;
     for (Eigen::Index i = 0; i < rows; ++i) {
-        const double deviation = table_[static_cast<std::size_t>(i)].deviation;
-        if (deviation > 0 && !is_held[static_cast<std::size_t>(i)])
-            columns.emplace_back(deviation * Eigen::VectorXd::Unit(rows, i));
+        const double deviation = table_[i].deviation;
+        if (deviation > 0 && !is_held[i]) columns.emplace_back(deviation * Eigen::VectorXd::Unit(rows, i));
     }
-    const auto tolerances = static_cast<Eigen::Index>(columns.size());
+    const Eigen::Index tolerances = columns.size();
     Eigen::VectorXd values = start;
     for (const int h : set) {
-        const Hypothesis& hypothesis = hypotheses_[static_cast<std::size_t>(h)];
+        const Hypothesis& hypothesis = hypotheses_[h];
         odds += hypothesis.log_prior;
         for (const auto& [row, value] : hypothesis.start) base[row] = value;
         for (const Direction& direction : hypothesis.directions) {
             Eigen::VectorXd column = Eigen::VectorXd::Zero(rows);
             for (const auto& [row, weight] : direction)
-                if (!is_held[static_cast<std::size_t>(row)]) column[row] += weight;
+                if (!is_held[row]) column[row] += weight;
             if (!column.isZero(0.0)) columns.push_back(column);
         }
     }
     for (const auto& [row, value] : held) base[row] = value;
-    Eigen::MatrixXd V(rows, static_cast<Eigen::Index>(columns.size()));
-    for (std::size_t j = 0; j < columns.size(); ++j) V.col(static_cast<Eigen::Index>(j)) = columns[j];
+    Eigen::MatrixXd V(rows, columns.size());
+    for (std::size_t j = 0; j < columns.size(); ++j) V.col(j) = columns[j];
 
     const auto clamp = [&](Eigen::VectorXd at) {
         for (Eigen::Index i = 0; i < rows; ++i) {
-            const Unknown& row = table_[static_cast<std::size_t>(i)];
+            const Unknown& row = table_[i];
             at[i] = std::clamp(at[i], row.least, row.most);
         }
         return at;
@@ -75,8 +74,8 @@ ResidualFit ResidualProblem::fit(const HypothesisSet& set, double samples, const
         const Eigen::MatrixXd scaled = V * scale.cwiseInverse().asDiagonal();
         Eigen::VectorXd difference = start - base;
         for (const int h : set)  // begins anew where it has a start of its own, unless it is there already
-            for (const auto& [row, value] : hypotheses_[static_cast<std::size_t>(h)].start)
-                if (start[row] == table_[static_cast<std::size_t>(row)].believed) difference[row] = 0;
+            for (const auto& [row, value] : hypotheses_[h].start)
+                if (start[row] == table_[row].believed) difference[row] = 0;
         z = (scaled.transpose() * scaled + 1e-9 * Eigen::MatrixXd::Identity(V.cols(), V.cols()))
                 .ldlt()
                 .solve(scaled.transpose() * difference)
@@ -98,11 +97,11 @@ ResidualFit ResidualProblem::fit(const HypothesisSet& set, double samples, const
     Eigen::MatrixXd J(residual.size(), V.cols());
     const auto differentiate = [&] {
         std::vector<char> needed(table_.size(), 0);
-        for (Eigen::Index i = 0; i < rows; ++i) needed[static_cast<std::size_t>(i)] = !V.row(i).isZero(0.0);
+        for (Eigen::Index i = 0; i < rows; ++i) needed[i] = !V.row(i).isZero(0.0);
         J.setZero();
         for (Eigen::Index i = 0; i < rows; ++i) {
-            if (!needed[static_cast<std::size_t>(i)]) continue;
-            const Unknown& row = table_[static_cast<std::size_t>(i)];
+            if (!needed[i]) continue;
+            const Unknown& row = table_[i];
             Eigen::VectorXd moved = values;
             moved[i] += moved[i] + row.step <= row.most ? row.step : -row.step;
             const Eigen::VectorXd slope = (residual - calcResidual(moved)) / (moved[i] - values[i]);
@@ -176,7 +175,7 @@ ResidualFit ResidualProblem::fit(const HypothesisSet& set, double samples, const
 }
 
 double ResidualProblem::predictGain(const ResidualFit& fit, int index) const {
-    const Hypothesis& hypothesis = hypotheses_[static_cast<std::size_t>(index)];
+    const Hypothesis& hypothesis = hypotheses_[index];
     std::vector<Eigen::VectorXd> columns;
     double least = fit.sum_of_squares;  // where the laws themselves are looked along
     for (const Direction& direction : hypothesis.directions) {
@@ -185,13 +184,13 @@ double ResidualProblem::predictGain(const ResidualFit& fit, int index) const {
         for (const double part : kLooks) {
             Eigen::VectorXd looked = moved;
             for (const auto& [row, weight] : direction) {
-                const Unknown& number = table_[static_cast<std::size_t>(row)];
+                const Unknown& number = table_[row];
                 looked[row] = std::clamp(looked[row] + part * weight, number.least, number.most);
             }
             least = std::min(least, calcResidual(looked).squaredNorm());
         }
         for (const auto& [row, weight] : direction) {
-            const Unknown& number = table_[static_cast<std::size_t>(row)];
+            const Unknown& number = table_[row];
             const bool started = std::any_of(hypothesis.start.begin(), hypothesis.start.end(),
                                              [row = row](const auto& start) { return start.first == row; });
             if (!started) moved[row] = std::clamp(moved[row] + 0.1 * weight, number.least, number.most);
@@ -200,8 +199,8 @@ double ResidualProblem::predictGain(const ResidualFit& fit, int index) const {
         if (!column.isZero(0.0)) columns.push_back(std::move(column));
     }
     if (columns.empty()) return -std::numeric_limits<double>::infinity();
-    Eigen::MatrixXd C(fit.residual.size(), static_cast<Eigen::Index>(columns.size()));
-    for (std::size_t j = 0; j < columns.size(); ++j) C.col(static_cast<Eigen::Index>(j)) = columns[j].normalized();
+    Eigen::MatrixXd C(fit.residual.size(), columns.size());
+    for (std::size_t j = 0; j < columns.size(); ++j) C.col(j) = columns[j].normalized();
     // Beside what the present unknowns follow.
     const double weight = fit.samples / fit.sum_of_squares;
     if (fit.slopes.cols() > 0) {
@@ -219,7 +218,7 @@ double ResidualProblem::predictGain(const ResidualFit& fit, int index) const {
     double lifted = 0;
     for (const Direction& direction : hypothesis.directions)
         for (const auto& [row, reach] : direction) {
-            const Unknown& number = table_[static_cast<std::size_t>(row)];
+            const Unknown& number = table_[row];
             const double off = fit.values[row] - number.believed, variance = number.deviation * number.deviation;
             if (variance > 0) lifted += 0.5 * off * off * (1 / variance - 1 / (variance + reach * reach));
         }

@@ -43,7 +43,7 @@ public:
     }
 
 private:
-    const Hypothesis& at(int h) const { return problem_.hypotheses()[static_cast<std::size_t>(h)]; }
+    const Hypothesis& at(int h) const { return problem_.hypotheses()[h]; }
     double judge(const ResidualFit& fit) const { return problem_.calcErrors(fit.values).validation; }
     void tell(const std::string& text) const {
         if (progress_) progress_(text);
@@ -53,7 +53,7 @@ private:
     bool isPossible(const ResidualFit& fit, int h) const {
         bool toleranced = false, beyond = false;
         for (const int index : at(h).reported) {
-            const Unknown& row = problem_.table()[static_cast<std::size_t>(index)];
+            const Unknown& row = problem_.table()[index];
             const double value = fit.values[index];
             if (row.deviation > 0) {
                 toleranced = true;
@@ -100,8 +100,7 @@ private:
         // A member that is not there any more leaves no trace in where the others begin.
         for (const int h : from.set)
             if (!std::binary_search(others.begin(), others.end(), h))
-                for (const int row : at(h).reported)
-                    start[row] = problem_.table()[static_cast<std::size_t>(row)].believed;
+                for (const int row : at(h).reported) start[row] = problem_.table()[row].believed;
         const bool same = others == from.set && samples == from.samples;
         const std::vector<int> joining = chooseLikely(same ? from : problem_.fit(others, samples, start));
         std::vector<ResidualFit> fits(joining.size());
@@ -172,7 +171,7 @@ private:
 
     Eigen::VectorXd startWithout(int h) const {
         Eigen::VectorXd start = best_.values;
-        for (const int row : at(h).reported) start[row] = problem_.table()[static_cast<std::size_t>(row)].believed;
+        for (const int row : at(h).reported) start[row] = problem_.table()[row].believed;
         return start;
     }
 
@@ -225,13 +224,13 @@ private:
 }  // namespace
 
 ResidualFit leaveOut(const ResidualProblem& problem, const ResidualFit& fit, int member) {
-    const Hypothesis& hypothesis = problem.hypotheses()[static_cast<std::size_t>(member)];
+    const Hypothesis& hypothesis = problem.hypotheses()[member];
     HypothesisSet others = fit.set;
     others.erase(std::find(others.begin(), others.end(), member));
     Eigen::VectorXd start = fit.values;
     std::vector<std::pair<int, double>> held;
     for (const int index : hypothesis.reported) {
-        const Unknown& row = problem.table()[static_cast<std::size_t>(index)];
+        const Unknown& row = problem.table()[index];
         const double tolerance = 2 * row.deviation;
         start[index] = row.believed + std::clamp(fit.values[index] - row.believed, -tolerance, tolerance);
         if (tolerance > 0) held.emplace_back(index, start[index]);

@@ -33,10 +33,9 @@ Evidence::Evidence(const BlockInformation& information, const Eigen::VectorXd& d
         for (std::size_t d = 0; d < hypotheses[h].directions.size(); ++d)
             for (const auto& [column, weight] : hypotheses[h].directions[d])
                 directions_(column, first_[h] + static_cast<Eigen::Index>(d)) += weight;
-    const auto active = static_cast<Eigen::Index>(active_.size());
+    const Eigen::Index active = active_.size();
     Eigen::MatrixXd V = Eigen::MatrixXd::Zero(deviation.size(), active + count);
-    for (Eigen::Index i = 0; i < active; ++i)
-        V(active_[static_cast<std::size_t>(i)], i) = deviation[active_[static_cast<std::size_t>(i)]];
+    for (Eigen::Index i = 0; i < active; ++i) V(active_[i], i) = deviation[active_[i]];
     V.rightCols(count) = directions_;
     gram_ = V.transpose() * (information.A * V);
     right_ = -V.transpose() * information.b;
@@ -44,24 +43,23 @@ Evidence::Evidence(const BlockInformation& information, const Eigen::VectorXd& d
 
 std::vector<Eigen::Index> Evidence::findRows(const HypothesisSet& set) const {
     std::vector<Eigen::Index> rows;
-    const auto active = static_cast<Eigen::Index>(active_.size());
+    const Eigen::Index active = active_.size();
     for (Eigen::Index i = 0; i < active; ++i) rows.push_back(i);
     for (const int h : set)
-        for (Eigen::Index d = first_[static_cast<std::size_t>(h)]; d < first_[static_cast<std::size_t>(h) + 1]; ++d)
-            rows.push_back(active + d);
+        for (Eigen::Index d = first_[h]; d < first_[static_cast<std::size_t>(h) + 1]; ++d) rows.push_back(active + d);
     return rows;
 }
 
 double Evidence::calcOdds(const HypothesisSet& set) const {
     double sum = 0;
-    for (const int h : set) sum += (*hypotheses_)[static_cast<std::size_t>(h)].log_prior;
+    for (const int h : set) sum += (*hypotheses_)[h].log_prior;
     return sum;
 }
 
 bool Evidence::mayJoin(const HypothesisSet& set, int hypothesis) const {
-    const Hypothesis& joining = (*hypotheses_)[static_cast<std::size_t>(hypothesis)];
+    const Hypothesis& joining = (*hypotheses_)[hypothesis];
     return std::none_of(set.begin(), set.end(), [&](int member) {
-        const Hypothesis& other = (*hypotheses_)[static_cast<std::size_t>(member)];
+        const Hypothesis& other = (*hypotheses_)[member];
         if (member == hypothesis) return true;
         return other.cause == joining.cause &&
                std::any_of(other.where.begin(), other.where.end(), [&](const std::string& place) {
@@ -91,13 +89,12 @@ SetSolution Evidence::solve(const HypothesisSet& set) const {
     const Eigen::VectorXd z = factor.solve(right_(rows));
     SetSolution solution{Eigen::VectorXd::Zero(deviation_.size()), z.squaredNorm(),
                          calcOdds(set) - 0.5 * logDeterminant(factor)};
-    const auto active = static_cast<Eigen::Index>(active_.size());
+    const Eigen::Index active = active_.size();
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Eigen::Index row = rows[i];
-        const double value = z[static_cast<Eigen::Index>(i)];
+        const double value = z[i];
         if (row < active)
-            solution.mean[active_[static_cast<std::size_t>(row)]] +=
-                deviation_[active_[static_cast<std::size_t>(row)]] * value;
+            solution.mean[active_[row]] += deviation_[active_[row]] * value;
         else
             solution.mean += directions_.col(row - active) * value;
     }
@@ -106,15 +103,14 @@ SetSolution Evidence::solve(const HypothesisSet& set) const {
 
 Posterior Evidence::calcPosterior(const HypothesisSet& set) const {
     const auto rows = findRows(set);
-    const auto active = static_cast<Eigen::Index>(active_.size());
-    Eigen::MatrixXd V = Eigen::MatrixXd::Zero(deviation_.size(), static_cast<Eigen::Index>(rows.size()));
+    const Eigen::Index active = active_.size();
+    Eigen::MatrixXd V = Eigen::MatrixXd::Zero(deviation_.size(), rows.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Eigen::Index row = rows[i];
         if (row < active)
-            V(active_[static_cast<std::size_t>(row)], static_cast<Eigen::Index>(i)) =
-                deviation_[active_[static_cast<std::size_t>(row)]];
+            V(active_[row], i) = deviation_[active_[row]];
         else
-            V.col(static_cast<Eigen::Index>(i)) = directions_.col(row - active);
+            V.col(i) = directions_.col(row - active);
     }
     Eigen::MatrixXd H = gram_(rows, rows);
     H.diagonal().array() += 1;
@@ -129,7 +125,7 @@ Posterior Evidence::calcPosterior(const HypothesisSet& set) const {
 
 std::vector<double> Evidence::calcExtensions(const HypothesisSet& set) const {
     const auto rows = findRows(set);
-    const auto active = static_cast<Eigen::Index>(active_.size());
+    const Eigen::Index active = active_.size();
     const Eigen::Index count = directions_.cols();
     Eigen::MatrixXd H = gram_(rows, rows);
     H.diagonal().array() += 1;

@@ -36,7 +36,7 @@ Margins findMargins(const Recording& recording, const MountModel* model) {
         if (model == nullptr) {
             const RelativeDisplacement relative = calcRelativeDisplacement(recording);
             for (std::size_t i = 0; i < relative.names.size(); ++i)
-                margins.connections.push_back(measure(relative.names[i], relative.q.row(static_cast<Eigen::Index>(i))));
+                margins.connections.push_back(measure(relative.names[i], relative.q.row(i)));
             margins.notes = relative.notes;
             return margins;
         }
@@ -46,7 +46,7 @@ Margins findMargins(const Recording& recording, const MountModel* model) {
         const Eigen::VectorXd rest = calcRestDisplacement(*model);
         for (std::size_t i = 0; i < model->connections.size(); ++i)
             for (std::size_t k = 0; k < 3; ++k) {
-                const auto column = static_cast<Eigen::Index>(3 * i + k);
+                const Eigen::Index column = 3 * i + k;
                 const Eigen::VectorXd q = relative.q.col(column);
                 const std::string name = model->connections[i].name + "." + "xyz"[k];
                 ConnectionMargin margin = measure(name, (q.array() - rest[column]).matrix());

@@ -57,8 +57,8 @@ Eigen::Index findIndex(const Recording& recording, const std::string& name) {
 ChannelTransfer makeTransfer(const Recording& recording, const CrossSpectra& spectra, Eigen::Index output,
                              const RunSpectra& run) {
     ChannelTransfer transfer;
-    const Channel& in = recording.channels[static_cast<std::size_t>(spectra.reference)];
-    const Channel& out = recording.channels[static_cast<std::size_t>(output)];
+    const Channel& in = recording.channels[spectra.reference];
+    const Channel& out = recording.channels[output];
     transfer.input = in.name;
     transfer.output = out.name;
     const std::string from = siUnit(findQuantity(*parseChannelName(in.name)));
@@ -84,7 +84,7 @@ void addLevels(const Recording& recording, const SweptFrequency& swept, RunSpect
         level.quantity = findQuantity(*parseChannelName(channel.name));
         level.peak = (values.array() - mean).abs().maxCoeff(&at);
         level.rms = std::sqrt(calcVariance(channel));
-        level.at = recording.time[static_cast<std::size_t>(at)];
+        level.at = recording.time[at];
         level.at_hertz = swept.is_sine && at < swept.hertz.size() ? swept.hertz[at] : NAN;
         run.channels.push_back(level);
     }
@@ -105,13 +105,12 @@ void addTransmissibilities(const Recording& recording, const Eigen::MatrixXd& si
         }
         // Where the input hardly moves along that axis, the quotient is one of rounding.
         constexpr double nothing = 1e-9;
-        if (input < 0 || !(run.channels[static_cast<std::size_t>(input)].rms > nothing) || !(run.channels[c].rms > 0))
-            continue;
+        if (input < 0 || !(run.channels[input].rms > nothing) || !(run.channels[c].rms > 0)) continue;
         Eigen::MatrixXd pair(signals.rows(), 2);
-        pair << signals.col(input), signals.col(static_cast<Eigen::Index>(c));
+        pair << signals.col(input), signals.col(c);
         CrossSpectra spectra = estimateSpectra(pair, 0, recording.sampleInterval(), welch);
         Recording both;
-        both.channels = {recording.channels[static_cast<std::size_t>(input)], recording.channels[c]};
+        both.channels = {recording.channels[input], recording.channels[c]};
         run.transmissibilities.push_back(makeTransfer(both, spectra, 1, run));
     }
 }
@@ -144,10 +143,9 @@ RunSpectra calcRunSpectra(const Recording& recorded, const MountModel* model, co
     run.highest = settings.band ? settings.band->second : swept.highest > 0 ? swept.highest : 0.5 / interval;
     addLevels(recording, swept, run);
 
-    const auto samples = static_cast<Eigen::Index>(recording.sampleCount());
-    Eigen::MatrixXd signals(samples, static_cast<Eigen::Index>(recording.channels.size()));
-    for (std::size_t c = 0; c < recording.channels.size(); ++c)
-        signals.col(static_cast<Eigen::Index>(c)) = valuesOf(recording.channels[c]);
+    const Eigen::Index samples = recording.sampleCount();
+    Eigen::MatrixXd signals(samples, recording.channels.size());
+    for (std::size_t c = 0; c < recording.channels.size(); ++c) signals.col(c) = valuesOf(recording.channels[c]);
     WelchSettings welch;
     welch.segment = settings.resolution ? std::lround(1 / (*settings.resolution * interval))
                                         : chooseSegment(samples, swept.is_sine ? kSweepAverages : kAverages);
@@ -163,7 +161,7 @@ RunSpectra calcRunSpectra(const Recording& recorded, const MountModel* model, co
     if (driving != nullptr) {
         run.reference = driving->name;
         for (Eigen::Index c = 0; c < signals.cols(); ++c)
-            if (c != reference && run.channels[static_cast<std::size_t>(c)].rms > 0)
+            if (c != reference && run.channels[c].rms > 0)
                 run.transfers.push_back(makeTransfer(recording, run.spectra, c, run));
     } else {
         run.notes.emplace_back("no load, base or fixed part was recorded: no transfer functions");

@@ -46,7 +46,7 @@ CrossSpectra estimateSpectra(const Eigen::MatrixXd& signals, Eigen::Index refere
     const Eigen::Index bins = length / 2 + 1;
     Eigen::VectorXd block(length);
     Eigen::MatrixXcd transform(bins, count);
-    std::vector<std::complex<double>> line(static_cast<std::size_t>(bins));
+    std::vector<std::complex<double>> line(bins);
     const FftwPlan plan(
         fftw_plan_dft_r2c_1d(static_cast<int>(length), block.data(), asFftw(line.data()), FFTW_ESTIMATE));
     CrossSpectra spectra;

@@ -13,7 +13,7 @@ double calcNormal(double z) {
 }
 
 const Unknown& rowOf(const TestProblem& problem, int index) {
-    return problem.table()[static_cast<std::size_t>(index)];
+    return problem.table()[index];
 }
 
 double toleranceOf(const Unknown& row) {
@@ -60,9 +60,9 @@ double calcBeyondProbability(const TestProblem& problem, const Hypothesis& hypot
 
 bool isPossible(const TestProblem& problem, const HypothesisSet& set, const Eigen::VectorXd& estimate) {
     for (const int h : set)
-        for (const Direction& direction : problem.hypotheses()[static_cast<std::size_t>(h)].directions)
+        for (const Direction& direction : problem.hypotheses()[h].directions)
             for (const auto& [column, weight] : direction) {
-                const auto row = static_cast<std::size_t>(column);
+                const std::size_t row = column;
                 if (row >= problem.table().size()) continue;
                 const Unknown& number = problem.table()[row];
                 if (number.believed == number.least && estimate[column] < 0) return false;
@@ -80,7 +80,7 @@ TestPoint bringBack(const TestProblem& problem, const SetState& state, const Hyp
 }
 
 TestPoint holdBack(const TestProblem& problem, const SetState& state, int member, const Evidence& evidence) {
-    const Hypothesis& hypothesis = problem.hypotheses()[static_cast<std::size_t>(member)];
+    const Hypothesis& hypothesis = problem.hypotheses()[member];
     HypothesisSet others = state.set;
     others.erase(std::remove(others.begin(), others.end(), member), others.end());
     Eigen::VectorXd estimate = problem.estimateOf(state.point);
@@ -91,9 +91,9 @@ TestPoint holdBack(const TestProblem& problem, const SetState& state, int member
     std::vector<Eigen::Index> rows;
     for (const int index : hypothesis.reported)
         if (rowOf(problem, index).deviation > 0) rows.push_back(index);
-    Eigen::VectorXd change(static_cast<Eigen::Index>(rows.size()));
+    Eigen::VectorXd change(rows.size());
     for (Eigen::Index i = 0; i < change.size(); ++i) {
-        const Eigen::Index row = rows[static_cast<std::size_t>(i)];
+        const Eigen::Index row = rows[i];
         const double tolerance = toleranceOf(rowOf(problem, static_cast<int>(row)));
         change[i] = std::clamp(estimate[row], -tolerance, tolerance) - estimate[row];
     }

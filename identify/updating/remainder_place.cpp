@@ -18,9 +18,8 @@ double calcShare(const TestView& view, const std::vector<std::size_t>& axes) {
     double inside = 0, total = 0;
     for (const LinearisedRun& run : view.runs)
         for (Eigen::Index b = 0; b < run.mount_residual.cols(); ++b) {
-            Eigen::MatrixXcd span(6, static_cast<Eigen::Index>(axes.size()));
-            for (std::size_t i = 0; i < axes.size(); ++i)
-                span.col(static_cast<Eigen::Index>(i)) = run.axis_directions[axes[i]].col(b);
+            Eigen::MatrixXcd span(6, axes.size());
+            for (std::size_t i = 0; i < axes.size(); ++i) span.col(i) = run.axis_directions[axes[i]].col(b);
             const Eigen::VectorXcd y = run.mount_residual.col(b);
             const Eigen::VectorXcd right = span.adjoint() * y;
             const Eigen::MatrixXcd normal = span.adjoint() * span;
@@ -34,8 +33,7 @@ double calcShare(const TestView& view, const std::vector<std::size_t>& axes) {
 
 std::vector<std::string> locateRemainder(const TestView& view, const std::vector<double>& misfit,
                                          const MountModel& model) {
-    if (misfit[static_cast<std::size_t>(Block::bracket)] > 3 * misfit[static_cast<std::size_t>(Block::mount)] &&
-        misfit[static_cast<std::size_t>(Block::bracket)] > 1)
+    if (misfit[indexOf(Block::bracket)] > 3 * misfit[indexOf(Block::mount)] && misfit[indexOf(Block::bracket)] > 1)
         return {"bracket"};
     const auto nameOf = [&](std::size_t axis) { return model.connections[axis / 3].name + "." + kAxes[axis % 3]; };
     std::vector<std::pair<double, std::size_t>> single;

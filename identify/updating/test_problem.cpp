@@ -68,8 +68,7 @@ TestProblem::TestProblem(const std::vector<Recording>& identification, const std
         scales.highest = std::max(scales.highest, run.band.highest);
         scales.duration = std::max(scales.duration, run.motion.time.back() - run.motion.time.front());
         for (Eigen::Index a = 0; a < 3; ++a)
-            if (run.motion.load.cols() > 0 && !run.motion.load.row(a).isZero(0.0))
-                loaded.at(static_cast<std::size_t>(a)) = true;
+            if (run.motion.load.cols() > 0 && !run.motion.load.row(a).isZero(0.0)) loaded.at(a) = true;
         if (run.swept.is_sine && run.motion.load.cols() > 0) swept = {scales.lowest, scales.highest};
     }
     scales.displacement = std::max(reach.positive.maxCoeff(), reach.negative.maxCoeff());
@@ -82,16 +81,15 @@ TestProblem::TestProblem(const std::vector<Recording>& identification, const std
 
 Eigen::VectorXd TestProblem::deviations() const {
     Eigen::VectorXd result = Eigen::VectorXd::Zero(catalogue_.columns.size());
-    for (std::size_t i = 0; i < table_.size(); ++i) result[static_cast<Eigen::Index>(i)] = table_[i].deviation;
+    for (std::size_t i = 0; i < table_.size(); ++i) result[i] = table_[i].deviation;
     return result;
 }
 
 Eigen::VectorXd TestProblem::reaches() const {
     Eigen::VectorXd result = Eigen::VectorXd::Ones(catalogue_.columns.size());
-    for (std::size_t i = 0; i < table_.size(); ++i) result[static_cast<Eigen::Index>(i)] = table_[i].reach;
+    for (std::size_t i = 0; i < table_.size(); ++i) result[i] = table_[i].reach;
     for (std::size_t i = 0; i < catalogue_.columns.probes.size(); ++i)
-        result[static_cast<Eigen::Index>(table_.size() + i)] =
-            table_[static_cast<std::size_t>(catalogue_.columns.probes[i].parameter)].reach;
+        result[table_.size() + i] = table_[static_cast<std::size_t>(catalogue_.columns.probes[i].parameter)].reach;
     return result;
 }
 
@@ -101,29 +99,28 @@ TestPoint TestProblem::believedPoint() const {
 
 TestPoint TestProblem::pointAt(const Eigen::VectorXd& estimate, const HypothesisSet& set) const {
     TestPoint point{{believed_, SensorErrors(layout_)}, Eigen::VectorXd::Zero(estimate.size())};
-    const auto rows = static_cast<Eigen::Index>(table_.size());
-    for (Eigen::Index i = 0; i < rows; ++i)
-        point.values[i] = table_[static_cast<std::size_t>(i)].believed + estimate[i];
+    const Eigen::Index rows = table_.size();
+    for (Eigen::Index i = 0; i < rows; ++i) point.values[i] = table_[i].believed + estimate[i];
     for (const int h : set) {
-        const Hypothesis& hypothesis = catalogue_.hypotheses[static_cast<std::size_t>(h)];
+        const Hypothesis& hypothesis = catalogue_.hypotheses[h];
         for (const auto& [row, value] : hypothesis.start) point.values[row] = value;
         for (const auto& [column, row] : hypothesis.moves) point.values[row] += estimate[column];
     }
     for (Eigen::Index i = 0; i < rows; ++i) {
-        const Unknown& row = table_[static_cast<std::size_t>(i)];
+        const Unknown& row = table_[i];
         point.values[i] = std::clamp(point.values[i], row.least, row.most);
         if (point.values[i] != row.get(point.state)) row.set(point.state, point.values[i]);
     }
     const auto& hats = catalogue_.columns.hats;
-    const Eigen::VectorXd gains = estimate.tail(static_cast<Eigen::Index>(hats.size()));
+    const Eigen::VectorXd gains = estimate.tail(hats.size());
     if (gains.size() == 0 || gains.isZero(0.0)) return point;
     point.values.tail(gains.size()) = gains;
     const int common = findUnknown(table_, "load.gain");
     if (!point.state.model.load) point.state.model.load.emplace();
     point.state.model.load->gain_over_frequency.clear();
     for (std::size_t k = 0; k < hats.size(); ++k)
-        point.state.model.load->gain_over_frequency.emplace_back(
-            hats[k].at, std::max(0.0, point.values[common] + gains[static_cast<Eigen::Index>(k)]));
+        point.state.model.load->gain_over_frequency.emplace_back(hats[k].at,
+                                                                 std::max(0.0, point.values[common] + gains[k]));
     return point;
 }
 
@@ -131,9 +128,9 @@ TestProblem::Memento TestProblem::adopt(const HypothesisSet& set) {
     Memento before{catalogue_.hypotheses, {}};
     for (const Unknown& row : table_) before.believed.push_back(row.believed);
     for (const int h : set) {
-        Hypothesis& hypothesis = catalogue_.hypotheses[static_cast<std::size_t>(h)];
+        Hypothesis& hypothesis = catalogue_.hypotheses[h];
         if (hypothesis.tangent.empty()) continue;
-        for (const auto& [row, value] : hypothesis.start) table_[static_cast<std::size_t>(row)].believed = value;
+        for (const auto& [row, value] : hypothesis.start) table_[row].believed = value;
         hypothesis.directions = hypothesis.tangent;
         hypothesis.start.clear();
         hypothesis.tangent.clear();
@@ -149,7 +146,7 @@ void TestProblem::restore(const Memento& memento) {
 
 Eigen::VectorXd TestProblem::estimateOf(const TestPoint& point) const {
     Eigen::VectorXd estimate = point.values;
-    for (std::size_t i = 0; i < table_.size(); ++i) estimate[static_cast<Eigen::Index>(i)] -= table_[i].believed;
+    for (std::size_t i = 0; i < table_.size(); ++i) estimate[i] -= table_[i].believed;
     return estimate;
 }
 
@@ -198,11 +195,11 @@ TestView TestProblem::view(const TestPoint& point) const {
 
 TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set) const {
     ColumnSet columns = catalogue_.columns;
-    columns.wanted.assign(static_cast<std::size_t>(columns.size()), 0);
+    columns.wanted.assign(columns.size(), 0);
     for (std::size_t i = 0; i < table_.size(); ++i) columns.wanted[i] = table_[i].deviation > 0;
     for (const int h : set)
-        for (const Direction& direction : catalogue_.hypotheses[static_cast<std::size_t>(h)].directions)
-            for (const auto& [column, weight] : direction) columns.wanted[static_cast<std::size_t>(column)] = 1;
+        for (const Direction& direction : catalogue_.hypotheses[h].directions)
+            for (const auto& [column, weight] : direction) columns.wanted[column] = 1;
     return view(point, columns);
 }
 

@@ -78,8 +78,8 @@ private:
     void tell(const std::string& text) const {
         if (options_.progress) options_.progress(text);
     }
-    const Hypothesis& at(int hypothesis) const { return problem_.hypotheses()[static_cast<std::size_t>(hypothesis)]; }
-    const Unknown& row(int index) const { return problem_.table()[static_cast<std::size_t>(index)]; }
+    const Hypothesis& at(int hypothesis) const { return problem_.hypotheses()[hypothesis]; }
+    const Unknown& row(int index) const { return problem_.table()[index]; }
 
     GroupError errorOf(const MountModel& model, GroupError* floor) const {
         const FreeError own = calcFreeError(own_, model), judging = calcFreeError(judging_, model);
@@ -271,13 +271,11 @@ private:
                 const Unknown& number = row(index);
                 const double value = selection_.state.point.values[index];
                 const auto& layout = problem_.layout();
-                if (number.kind == UnknownKind::channel_gain)
-                    faultOf(layout.channels[static_cast<std::size_t>(number.first)].name).gain = value;
+                if (number.kind == UnknownKind::channel_gain) faultOf(layout.channels[number.first].name).gain = value;
                 if (number.kind == UnknownKind::channel_delay)
-                    faultOf(layout.channels[static_cast<std::size_t>(number.first)].name).delay = value;
+                    faultOf(layout.channels[number.first].name).delay = value;
                 if (number.kind == UnknownKind::triax_rotation)
-                    faultOf(reportPlace(layout.triaxes[static_cast<std::size_t>(number.first)].name))
-                        .rotation[number.second] = value;
+                    faultOf(reportPlace(layout.triaxes[number.first].name)).rotation[number.second] = value;
             }
     }
 

@@ -24,11 +24,11 @@ Split split(const HarmonicBalance& balance, const HarmonicBalance::Linear& linea
     Split parts;
     std::vector<Eigen::Index> axes;
     for (Eigen::Index a = 0; a < static_cast<Eigen::Index>(nonlinear.slope.size()); ++a) {
-        const bool active = nonlinear.slope[static_cast<std::size_t>(a)].size() > 0;
+        const bool active = nonlinear.slope[a].size() > 0;
         if (active) axes.push_back(a);
         for (Eigen::Index c = 0; c < each; ++c) (active ? parts.active : parts.idle).push_back(a * each + c);
     }
-    parts.columns.resize(balance.unknowns(), static_cast<Eigen::Index>(parts.active.size()));
+    parts.columns.resize(balance.unknowns(), parts.active.size());
     for (std::size_t i = 0; i < axes.size(); ++i)
         parts.columns.middleCols(static_cast<Eigen::Index>(i) * each, each) =
             balance.calcSlopeColumns(linear, nonlinear, axes[i]);
@@ -75,7 +75,7 @@ Continuation::Step Continuation::solveBordered(const HarmonicBalance::Linear& li
                                                const Eigen::VectorXd& by_parameter, const CurvePoint& border,
                                                const Eigen::VectorXd& right_Q, double right_p) const {
     const Split parts = split(balance_, linear, nonlinear);
-    const auto count = static_cast<Eigen::Index>(parts.active.size());
+    const Eigen::Index count = parts.active.size();
     const Eigen::VectorXd w = border.along_Q / amplitude_unit_;
     const double w_p = border.along_parameter / parameter_unit_;
     // An idle coefficient follows at once: δ_i = right_i − C_i δ_active − r_i δp.

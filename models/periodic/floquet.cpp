@@ -19,13 +19,13 @@ namespace {
 class Midpoint {
 public:
     Midpoint(const LinearSystem& system, double step) : system_(system), step_(step) {
-        const auto states = static_cast<Eigen::Index>(system.branches.size());
+        const Eigen::Index states = system.branches.size();
         branch_rows_.resize(states, system.mass.rows());
         weight_.resize(states);
         ratio_.resize(states);
         for (Eigen::Index s = 0; s < states; ++s) {
-            const LinearBranch& b = system.branches[static_cast<std::size_t>(s)];
-            branch_rows_.row(s) = system.ends[static_cast<std::size_t>(b.connection)].row(b.axis);
+            const LinearBranch& b = system.branches[s];
+            branch_rows_.row(s) = system.ends[b.connection].row(b.axis);
             ratio_[s] = step / (2 * b.branch.time_constant);
             weight_[s] = b.branch.stiffness / (1 + ratio_[s]);
         }
@@ -73,13 +73,12 @@ Eigen::VectorXcd calcFloquetMultipliers(const HarmonicBalance& balance, const Ei
     for (Eigen::Index a = 0; a < axes; ++a) {
         const HarmonicBalance::History history = balance.calcHistory(Q, frequency, a, 0.5);
         for (Eigen::Index i = 0; i < count; ++i) {
-            const auto value = system.axes()[static_cast<std::size_t>(a)].calcValue(history.q[i], history.v[i],
-                                                                                    balance.halfCell(frequency));
+            const auto value = system.axes()[a].calcValue(history.q[i], history.v[i], balance.halfCell(frequency));
             stiffness(a, i) = value.stiffness;
             damping(a, i) = value.damping;
         }
     }
-    const auto states = static_cast<Eigen::Index>(system.linear().branches.size());
+    const Eigen::Index states = system.linear().branches.size();
     const Eigen::Index size = 2 * n + states;
     Eigen::MatrixXd x = Eigen::MatrixXd::Zero(n, size), v = x, z = Eigen::MatrixXd::Zero(states, size);
     x.leftCols(n).setIdentity();

@@ -31,10 +31,7 @@ void fillBasis(int harmonics, Eigen::Index count, double shift, Eigen::MatrixXd&
 }  // namespace
 
 HarmonicBalance::HarmonicBalance(const PeriodicSystem& system, int harmonics)
-    : system_(system),
-      harmonics_(harmonics),
-      axes_(static_cast<Eigen::Index>(system.axes().size())),
-      coefficients_(2 * harmonics + 1) {
+    : system_(system), harmonics_(harmonics), axes_(system.axes().size()), coefficients_(2 * harmonics + 1) {
     // Kinks of stops spread over all harmonics: so many times of a period keep small what folds back.
     constexpr int samples_per_harmonic = 24, fewest = 256;
     const Eigen::Index count = std::max(fewest, samples_per_harmonic * harmonics);
@@ -66,14 +63,13 @@ HarmonicBalance::Nonlinear HarmonicBalance::calcNonlinear(const Eigen::VectorXd&
     const double omega = kTwoPi * frequency;
     Nonlinear nonlinear;
     nonlinear.force = Eigen::VectorXd::Zero(unknowns());
-    nonlinear.slope.resize(static_cast<std::size_t>(axes_));
+    nonlinear.slope.resize(axes_);
     Eigen::VectorXd n(samples()), stiffness(samples()), damping(samples());
     for (Eigen::Index a = 0; a < axes_; ++a) {
         const auto own = Q.segment(a * coefficients_, coefficients_);
         const Eigen::VectorXd q = basis_ * own, v = omega * (slope_basis_ * own);
         for (Eigen::Index i = 0; i < samples(); ++i) {
-            const NonlinearAxis::Value value =
-                system_.axes()[static_cast<std::size_t>(a)].calcValue(q[i], v[i], halfCell(frequency));
+            const NonlinearAxis::Value value = system_.axes()[a].calcValue(q[i], v[i], halfCell(frequency));
             n[i] = value.force;
             stiffness[i] = value.stiffness;
             damping[i] = value.damping;
@@ -84,7 +80,7 @@ HarmonicBalance::Nonlinear HarmonicBalance::calcNonlinear(const Eigen::VectorXd&
         nonlinear.force.segment(a * coefficients_, coefficients_) = projection_ * n;
         Eigen::MatrixXd weighted = stiffness.asDiagonal() * basis_;
         weighted += omega * (damping.asDiagonal() * slope_basis_);
-        nonlinear.slope[static_cast<std::size_t>(a)] = projection_ * weighted;
+        nonlinear.slope[a] = projection_ * weighted;
     }
     return nonlinear;
 }
@@ -95,7 +91,7 @@ Eigen::VectorXd HarmonicBalance::applyFlexibility(const Linear& linear, const Ei
         Eigen::VectorXcd force(axes_);
         for (Eigen::Index a = 0; a < axes_; ++a)
             force[a] = {N[a * coefficients_ + k], k > 0 ? -N[a * coefficients_ + harmonics_ + k] : 0};
-        const Eigen::VectorXcd motion = linear.flexible[static_cast<std::size_t>(k)] * force;
+        const Eigen::VectorXcd motion = linear.flexible[k] * force;
         for (Eigen::Index a = 0; a < axes_; ++a) {
             Q[a * coefficients_ + k] = motion[a].real();
             if (k > 0) Q[a * coefficients_ + harmonics_ + k] = -motion[a].imag();
@@ -120,11 +116,11 @@ Eigen::VectorXd HarmonicBalance::calcResidual(const Linear& linear, const Nonlin
 
 Eigen::MatrixXd HarmonicBalance::calcSlopeColumns(const Linear& linear, const Nonlinear& nonlinear,
                                                   Eigen::Index axis) const {
-    const Eigen::MatrixXd& slope = nonlinear.slope[static_cast<std::size_t>(axis)];
+    const Eigen::MatrixXd& slope = nonlinear.slope[axis];
     Eigen::MatrixXd columns(unknowns(), coefficients_);
     for (int k = 0; k <= harmonics_; ++k)
         for (Eigen::Index a = 0; a < axes_; ++a) {
-            const Complex g = linear.flexible[static_cast<std::size_t>(k)](a, axis);
+            const Complex g = linear.flexible[k](a, axis);
             const Eigen::Index row = a * coefficients_ + k;
             if (k == 0) {
                 columns.row(row) = g.real() * slope.row(0);

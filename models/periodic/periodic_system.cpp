@@ -77,10 +77,9 @@ PeriodicSystem::PeriodicSystem(const MountModel& model, const HarmonicInput& inp
         }
     // A linear model is answered by the same methods: one axis, which adds nothing.
     if (axes_.empty()) axes_.emplace_back(0, 2, laws.axis(0, 2), rest_(2, 0));
-    rows_.resize(static_cast<Eigen::Index>(axes_.size()), linear_.mass.rows());
+    rows_.resize(axes_.size(), linear_.mass.rows());
     for (std::size_t a = 0; a < axes_.size(); ++a)
-        rows_.row(static_cast<Eigen::Index>(a)) =
-            linear_.ends[static_cast<std::size_t>(axes_[a].connection())].row(axes_[a].axis());
+        rows_.row(a) = linear_.ends[axes_[a].connection()].row(axes_[a].axis());
 }
 
 Eigen::VectorXd PeriodicSystem::calcForce(double frequency) const {

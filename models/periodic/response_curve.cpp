@@ -45,8 +45,8 @@ void findPenetration(const PeriodicSystem& system, ResponsePoint& point) {
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k) {
             const AxisLaw& law = model.connections[i].axis[k];
-            const auto row = static_cast<Eigen::Index>(3 * i + k);
-            const double rest = system.rest()(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)) + law.offset;
+            const Eigen::Index row = 3 * i + k;
+            const double rest = system.rest()(k, i) + law.offset;
             for (const Stop& stop : law.stops) {
                 const double reach =
                     stop.side == Side::positive ? point.highest[row] + rest : -(point.lowest[row] + rest);

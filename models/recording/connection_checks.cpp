@@ -36,8 +36,7 @@ public:
             for (const auto& connection : model.connections) {
                 std::array<const Channel*, 3> channels{};
                 for (int axis = 0; axis < 3; ++axis)
-                    channels[static_cast<std::size_t>(axis)] =
-                        recording.find(formatChannelName({part, connection.name, axis, derivative}));
+                    channels[axis] = recording.find(formatChannelName({part, connection.name, axis, derivative}));
                 if (std::count(channels.begin(), channels.end(), nullptr) != 0) continue;
                 names_.push_back(std::string(partName(part)) + "." + connection.name);
                 parts_.push_back(part);
@@ -79,21 +78,21 @@ private:
     Eigen::MatrixXd calcGram() const {
         const std::size_t count = channels_.front()->values.size();
         const std::size_t stride = count / kMaxSamples + 1;
-        const auto rows = static_cast<Eigen::Index>(channels_.size());
-        Eigen::MatrixXd u(rows, static_cast<Eigen::Index>((count + stride - 1) / stride));
+        const Eigen::Index rows = channels_.size();
+        Eigen::MatrixXd u(rows, (count + stride - 1) / stride);
         for (Eigen::Index j = 0; j < u.cols(); ++j) {
             for (Eigen::Index i = 0; i < rows; ++i)
-                u(i, j) = channels_[static_cast<std::size_t>(i)]->values[static_cast<std::size_t>(j) * stride];
+                u(i, j) = channels_[i]->values[static_cast<std::size_t>(j) * stride];
         }
         u.colwise() -= u.rowwise().mean().eval();
         return u * u.transpose();
     }
 
     Eigen::MatrixXd calcProjectorOutside() const {
-        const auto rows = static_cast<Eigen::Index>(channels_.size());
+        const Eigen::Index rows = channels_.size();
         Eigen::MatrixXd rigid = Eigen::MatrixXd::Zero(rows, 12);
         for (std::size_t k = 0; k < positions_.size(); ++k) {
-            const auto row = static_cast<Eigen::Index>(3 * k);
+            const Eigen::Index row = 3 * k;
             const Eigen::Index column = parts_[k] == Part::mobile ? 0 : 6;
             rigid.block<3, 3>(row, column).setIdentity();
             rigid.block<3, 3>(row, column + 3) = -crossMatrix(positions_[k]);
@@ -113,9 +112,7 @@ private:
         for (std::size_t a = 0; a < names_.size(); ++a) {
             for (std::size_t b = a + 1; b < names_.size(); ++b) {
                 Exchange exchange{names_[a], names_[b], {}, 0};
-                for (std::size_t axis = 0; axis < 3; ++axis)
-                    exchange.rows.emplace_back(static_cast<Eigen::Index>(3 * a + axis),
-                                               static_cast<Eigen::Index>(3 * b + axis));
+                for (std::size_t axis = 0; axis < 3; ++axis) exchange.rows.emplace_back(3 * a + axis, 3 * b + axis);
                 exchanges.push_back(std::move(exchange));
             }
         }

@@ -57,7 +57,7 @@ private:
     /// As many rows as the first 64 kB suggest, and no more than the separators leave room for.
     void reserve() {
         const auto head = layout_.body.substr(0, 65536);
-        const auto newlines = static_cast<std::size_t>(std::count(head.begin(), head.end(), '\n'));
+        const std::size_t newlines = std::count(head.begin(), head.end(), '\n');
         const double heads = static_cast<double>(layout_.body.size()) / static_cast<double>(head.size());
         const auto likely = static_cast<std::size_t>(1.02 * heads * static_cast<double>(newlines + 1));
         const std::size_t most = (layout_.body.size() + 1) / layout_.headers.size();
@@ -95,7 +95,7 @@ private:
     }
 
     void checkRest() const {
-        const std::string_view rest(p_, static_cast<std::size_t>(end_ - p_));
+        const std::string_view rest(p_, end_ - p_);
         const char blank[] = {' ', '\t', '\r', '\n', layout_.separator};
         if (rest.find_first_not_of(std::string_view(blank, sizeof blank)) != std::string_view::npos)
             throw InputError({file_, fileRow(), {}}, "blank row inside the data");
@@ -173,7 +173,7 @@ private:
             ++p_;
             return;
         }
-        const auto* newline = static_cast<const char*>(std::memchr(p_, '\n', static_cast<std::size_t>(end_ - p_)));
+        const auto* newline = static_cast<const char*>(std::memchr(p_, '\n', end_ - p_));
         const char* stop = newline != nullptr ? newline : end_;
         const std::ptrdiff_t fields = column + 1 + std::count(p_, stop, layout_.separator);
         if (fields < field_count_) failRagged(fields);
@@ -188,15 +188,14 @@ private:
     }
 
     void readQuotedRow(double* row) {
-        const auto* newline = static_cast<const char*>(std::memchr(p_, '\n', static_cast<std::size_t>(end_ - p_)));
+        const auto* newline = static_cast<const char*>(std::memchr(p_, '\n', end_ - p_));
         const char* stop = newline != nullptr ? newline : end_;
         if (!splitCsvRow({p_, static_cast<std::size_t>(stop - p_)}, layout_.separator, fields_))
             throw InputError({file_, fileRow(), {}}, "a quote is not closed in this row");
-        auto fields = static_cast<std::ptrdiff_t>(fields_.size());
-        while (fields > field_count_ && trimCsvField(fields_[static_cast<std::size_t>(fields - 1)]).empty()) --fields;
+        std::ptrdiff_t fields = fields_.size();
+        while (fields > field_count_ && trimCsvField(fields_[fields - 1]).empty()) --fields;
         if (fields != field_count_) failRagged(fields);
-        for (std::size_t k = 0; k < columns_.size(); ++k)
-            row[k] = parseField(fields_[static_cast<std::size_t>(columns_[k].index)], columns_[k]);
+        for (std::size_t k = 0; k < columns_.size(); ++k) row[k] = parseField(fields_[columns_[k].index], columns_[k]);
         p_ = newline != nullptr ? newline + 1 : end_;
     }
 

@@ -50,7 +50,7 @@ char findSeparator(std::string_view header) {
         const auto index = kCandidates.find(c);
         if (!quoted && index != std::string_view::npos) ++counts[index];
     }
-    return kCandidates[static_cast<std::size_t>(std::max_element(counts.begin(), counts.end()) - counts.begin())];
+    return kCandidates[std::max_element(counts.begin(), counts.end()) - counts.begin()];
 }
 
 /// The first point or comma inside a number decides; a comma that separates is none.

@@ -13,7 +13,7 @@ constexpr std::size_t kLongestRow = 64U << 20U;  // bytes
 
 /// Rows of `text`, the last one with or without its line end.
 std::size_t countCsvRows(std::string_view text) {
-    const auto ends = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+    const std::size_t ends = std::count(text.begin(), text.end(), '\n');
     return ends + (text.empty() || text.back() == '\n' ? 0 : 1);
 }
 

@@ -58,7 +58,7 @@ private:
         const auto result = fast_float::from_chars(first, end, value);
         const bool ends = result.ptr == end || *result.ptr == ' ' || isSeparator(*result.ptr);
         if (result.ec == std::errc() && ends) return result.ptr;
-        const std::string_view text(p, static_cast<std::size_t>(end - p));
+        const std::string_view text(p, end - p);
         throw InputError({file_, number, {}},
                          "'" + std::string(text.substr(0, std::min<std::size_t>(text.find_first_of(" \t,"), 40))) +
                              "', number " + std::to_string(column + 1) + " of the row, is not a number");

@@ -48,10 +48,9 @@ public:
             if (whole >= 0 && whole <= 7 && fraction >= 0 && fraction <= 8 && whole + fraction > 0) {
                 const std::uint64_t high = alignDigits(p + negative, whole), low = alignDigits(p + dot + 1, fraction);
                 if (areDigits(high) && areDigits(low)) {
-                    const std::uint64_t mantissa =
-                        joinDigits(high) * kWholePowers[static_cast<std::size_t>(fraction)] + joinDigits(low);
-                    value = static_cast<double>(static_cast<std::int64_t>(mantissa)) /
-                            kPowers[static_cast<std::size_t>(fraction)] * kSigns[static_cast<std::size_t>(negative)];
+                    const std::uint64_t mantissa = joinDigits(high) * kWholePowers[fraction] + joinDigits(low);
+                    value =
+                        static_cast<double>(static_cast<std::int64_t>(mantissa)) / kPowers[fraction] * kSigns[negative];
                     return p + length;
                 }
             }
@@ -100,7 +99,7 @@ public:
         } else {
             number *= kPowers[static_cast<std::size_t>(power)];
         }
-        value = number * kSigns[static_cast<std::size_t>(negative)];  // a branch would be mispredicted half the time
+        value = number * kSigns[negative];  // a branch would be mispredicted half the time
         return p;
     }
 
@@ -122,8 +121,7 @@ private:
         const std::uint64_t other = ((word & kHigh) ^ kThrees) | (((word + 0x0606060606060606U) & kHigh) ^ kThrees);
         const int count = other == 0 ? 8 : __builtin_ctzll(other) / 8;
         if (count == 0) return 0;
-        number =
-            number * kWholePowers[static_cast<std::size_t>(count)] + joinDigits((word ^ kThrees) << (64 - 8 * count));
+        number = number * kWholePowers[count] + joinDigits((word ^ kThrees) << (64 - 8 * count));
         return count;
     }
 
@@ -138,7 +136,7 @@ private:
                                                         0xFFFFFFFFFFFF0000U,
                                                         0xFFFFFFFFFFFFFF00U,
                                                         0xFFFFFFFFFFFFFFFFU};
-        return (load(p + count - 8) ^ kThrees) & masks[static_cast<std::size_t>(count)];
+        return (load(p + count - 8) ^ kThrees) & masks[count];
     }
 
     static bool areDigits(std::uint64_t values) {

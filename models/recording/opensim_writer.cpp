@@ -52,7 +52,7 @@ void TrcWriter::listMarkers(const Recording& header, const WriteOptions& options
             const auto rest = options.rest.find(name.connection);
             if (rest != options.rest.end()) std::copy(rest->second.begin(), rest->second.end(), marker->rest.begin());
         }
-        marker->channels.at(static_cast<std::size_t>(name.axis)) = static_cast<int>(i);
+        marker->channels.at(name.axis) = static_cast<int>(i);
     }
     if (!left_out.empty())
         notes_.push_back(".trc holds positions only: " + std::to_string(left_out.size()) + " channels are left out (" +
@@ -87,7 +87,7 @@ void TrcWriter::append(const Recording& rows) {
                 text += '\t';
                 const int channel = marker.channels.at(axis);
                 if (channel < 0) continue;
-                const double value = rows.channels[static_cast<std::size_t>(channel)].values[i];
+                const double value = rows.channels[channel].values[i];
                 if (!std::isnan(value))
                     appendNumber(kMillimetres * (marker.rest.at(axis) + value), std::min(digits_ + 3, 17), text);
             }

@@ -90,7 +90,7 @@ std::string readHead(const std::string& file) {
     std::ifstream input(file, std::ios::binary);
     std::string head(65536, '\0');
     input.read(head.data(), static_cast<std::streamsize>(head.size()));
-    head.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, input.gcount())));
+    head.resize(std::max<std::streamsize>(0, input.gcount()));
     return head;
 }
 

@@ -54,7 +54,7 @@ TextFile::TextFile(const std::string& file, Pages pages)
     if (S_ISDIR(status_.st_mode)) throw InputError({file, 0, {}}, "is a directory, not a file");
     const bool regular = S_ISREG(status_.st_mode) && status_.st_size > 0;
     if (regular && pages == Pages::as_needed) {
-        const auto size = static_cast<std::size_t>(status_.st_size);
+        const std::size_t size = status_.st_size;
         void* mapping = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor_.get(), 0);
         if (mapping != MAP_FAILED) {
             mapping_ = mapping;

@@ -78,7 +78,7 @@ std::size_t findBinaryLength(std::string_view rest, long stated) {
         const auto first = tail.find_first_not_of("\r\n");
         return first != std::string_view::npos && tail.substr(first, kMark.size()) == kMark;
     };
-    if (stated >= 0 && closesAt(static_cast<std::size_t>(stated))) return static_cast<std::size_t>(stated);
+    if (stated >= 0 && closesAt(stated)) return static_cast<std::size_t>(stated);
     for (auto at = rest.find(kMark); at != std::string_view::npos; at = rest.find(kMark, at + 1)) {
         const std::size_t end = at + kMark.size();
         const bool line_ends = end >= rest.size() || rest[end] == '\n' || rest[end] == '\r' || rest[end] == ' ';

@@ -158,7 +158,7 @@ UffTable makeUffTable(const std::vector<UffFunction>& functions, long system, bo
         OfferedColumn column{single ? name : full_name, {}, {function.id, full_name}};
         column.unit = function.unit.empty() ? findUnit(function.ordinate_kind, system) : std::optional(function.unit);
         table.columns.push_back(std::move(column));
-        result.functions.push_back(static_cast<std::size_t>(&function - functions.data()));
+        result.functions.push_back(&function - functions.data());
     }
     return result;
 }

@@ -107,13 +107,10 @@ Eigen::VectorXi findClosedStops(const MountModel& model, const Eigen::Ref<const 
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const AxisLaw& law = model.connections[i].axis[axis];
             for (const Stop& stop : law.stops)
-                closed.push_back((stop.side == Side::positive ? 1 : -1) *
-                                             (q[static_cast<Eigen::Index>(3 * i + axis)] + law.offset) >
-                                         stop.clearance
-                                     ? 1
-                                     : 0);
+                closed.push_back(
+                    (stop.side == Side::positive ? 1 : -1) * (q[3 * i + axis] + law.offset) > stop.clearance ? 1 : 0);
         }
-    return Eigen::Map<const Eigen::VectorXi>(closed.data(), static_cast<Eigen::Index>(closed.size()));
+    return Eigen::Map<const Eigen::VectorXi>(closed.data(), closed.size());
 }
 
 std::vector<SceneSensor> listSceneSensors(const Recording& recording, const MountModel& model) {
@@ -129,7 +126,7 @@ std::vector<SceneSensor> listSceneSensors(const Recording& recording, const Moun
         const auto at = std::find_if(model.connections.begin(), model.connections.end(),
                                      [&](const Connection& own) { return own.name == name->connection; });
         if (place < 0 && at == model.connections.end()) continue;
-        sensor.position = place >= 0 ? model.places[static_cast<std::size_t>(place)].position : at->position;
+        sensor.position = place >= 0 ? model.places[place].position : at->position;
         sensors.push_back(std::move(sensor));
     }
     return sensors;

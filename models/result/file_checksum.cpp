@@ -20,8 +20,7 @@ std::optional<std::string> calcChecksum(const std::string& file) {
     constexpr std::size_t piece = std::size_t{1} << 20;
     std::vector<char> bytes(piece);
     while (stream.read(bytes.data(), static_cast<std::streamsize>(piece)) || stream.gcount() > 0)
-        if (EVP_DigestUpdate(context.get(), bytes.data(), static_cast<std::size_t>(stream.gcount())) != 1)
-            return std::nullopt;
+        if (EVP_DigestUpdate(context.get(), bytes.data(), stream.gcount()) != 1) return std::nullopt;
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
     unsigned int length = 0;
     if (!stream.eof() || EVP_DigestFinal_ex(context.get(), digest.data(), &length) != 1) return std::nullopt;

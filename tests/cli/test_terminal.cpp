@@ -51,7 +51,7 @@ std::string runOnTerminal(std::vector<std::string> arguments, const std::string&
     std::string shown;
     std::array<char, 4096> buffer{};
     for (ssize_t count = 0; (count = read(terminal, buffer.data(), buffer.size())) > 0;)
-        shown.append(buffer.data(), static_cast<std::size_t>(count));
+        shown.append(buffer.data(), count);
     close(terminal);
     int status = 0;
     waitpid(child, &status, 0);

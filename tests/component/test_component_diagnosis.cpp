@@ -69,11 +69,11 @@ Recording record(const AxisLaw& law, const Motion& motion, const Stray& stray, d
         for (Eigen::Index k = 0; k < q.size(); ++k) force[k] += stray(time[k], q[k], v[k]);
     Recording recording;
     recording.file = "drawn";
-    recording.time.resize(static_cast<std::size_t>(count));
+    recording.time.resize(count);
     std::vector<double> displacement, measured;
     std::normal_distribution<double> normal(0, noise * std::sqrt(force.squaredNorm() / static_cast<double>(q.size())));
     for (Eigen::Index k = 0; k < count; ++k) {
-        recording.time[static_cast<std::size_t>(k)] = time[k * fine];
+        recording.time[k] = time[k * fine];
         displacement.push_back(q[k * fine]);
         measured.push_back(force[k * fine] + normal(generator));
     }

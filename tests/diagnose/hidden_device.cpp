@@ -52,7 +52,7 @@ MountModel makeRandomDevice(std::mt19937_64& random) {
         connection.axis[2].stops = {{Side::positive, clearance, 8 * axial, 0},
                                     {Side::negative, clearance, 8 * axial, 0}};
         const std::size_t outward = std::abs(connection.position.x()) > std::abs(connection.position.y()) ? 0 : 1;
-        const auto component = static_cast<Eigen::Index>(outward);
+        const Eigen::Index component = outward;
         connection.axis[outward].stops = {
             {connection.position[component] > 0 ? Side::positive : Side::negative, 1.4 * clearance, 8 * lateral, 0}};
         model.connections.push_back(connection);
@@ -93,9 +93,7 @@ Recording recordRun(const MountModel& truth, const RunPlan& plan, std::mt19937_6
         for (std::size_t i = 0; i < truth.connections.size(); ++i)
             for (int a = 0; a < 3; ++a)
                 add(std::string(mobile ? "mobile." : "fixed.") + truth.connections[i].name + "." + "xyz"[a],
-                    (mobile ? markers.mobile_displacement : markers.fixed_displacement)
-                        .row(3 * static_cast<Eigen::Index>(i) + a),
-                    true);
+                    (mobile ? markers.mobile_displacement : markers.fixed_displacement).row(3 * i + a), true);
     for (int a = 0; a < 3; ++a) add(std::string("load.f") + "xyz"[a], load.row(a), false);
     return recording;
 }

@@ -148,8 +148,8 @@ TEST_CASE("corrected channels: gain, delay and rotation undone") {
         const double t = 1e-3 * k;
         const Eigen::Vector3d now = motion(t), seen = gain * (R * motion(t - delay));
         for (std::size_t a = 0; a < 3; ++a) {
-            truth.channels[a].values.push_back(now[static_cast<Eigen::Index>(a)]);
-            measured.channels[a].values.push_back(seen[static_cast<Eigen::Index>(a)]);
+            truth.channels[a].values.push_back(now[a]);
+            measured.channels[a].values.push_back(seen[a]);
         }
         truth.time.push_back(t);
         measured.time.push_back(t);

@@ -45,7 +45,7 @@ Recording recordLayout(const SyntheticRun& run, const std::vector<SensorPlace>& 
         for (int axis = single ? 2 : 0; axis < 3; ++axis) {
             Channel channel{place.channelName(axis), "", {}, 0};
             for (std::size_t i = 0; i < run.time.size(); ++i) {
-                const auto k = static_cast<Eigen::Index>(i);
+                const Eigen::Index k = i;
                 const Eigen::Vector3d direction = turned.col(axis);
                 const auto& R = (mobile ? run.R_GM : run.R_GF)[i];
                 const double value = place.accelerometer

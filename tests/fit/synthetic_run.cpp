@@ -137,13 +137,13 @@ SyntheticRun simulateSweep(const MountModel& model, const SweepSettings& setting
 }
 
 Eigen::Vector3d SyntheticRun::calcDisplacement(bool of_mobile, Eigen::Index k, const Eigen::Vector3d& position) const {
-    const Eigen::Matrix3d& R = (of_mobile ? R_GM : R_GF)[static_cast<std::size_t>(k)];
+    const Eigen::Matrix3d& R = (of_mobile ? R_GM : R_GF)[k];
     return (of_mobile ? p_M : p_F).col(k) + R * position - position;
 }
 
 Eigen::Vector3d SyntheticRun::calcAcceleration(bool of_mobile, Eigen::Index k, const Eigen::Vector3d& position) const {
-    const Eigen::Vector3d lever = (of_mobile ? R_GM : R_GF)[static_cast<std::size_t>(k)] * position,
-                          rate = (of_mobile ? w_M : w_F).col(k), turn = (of_mobile ? alpha_M : alpha_F).col(k);
+    const Eigen::Vector3d lever = (of_mobile ? R_GM : R_GF)[k] * position, rate = (of_mobile ? w_M : w_F).col(k),
+                          turn = (of_mobile ? alpha_M : alpha_F).col(k);
     return (of_mobile ? a_M : a_F).col(k) + turn.cross(lever) + rate.cross(rate.cross(lever));
 }
 
@@ -156,8 +156,7 @@ Recording record(const SyntheticRun& run, const SensorNoise& noise, std::uint64_
     recording.first_row = 2;
     const auto add = [&](const std::string& name, const std::string& unit, const auto& value, double level) {
         Channel channel{name, unit, {}, static_cast<int>(recording.channels.size()) + 2};
-        for (std::size_t k = 0; k < run.time.size(); ++k)
-            channel.values.push_back(value(static_cast<Eigen::Index>(k)) + level * gauss(generator));
+        for (std::size_t k = 0; k < run.time.size(); ++k) channel.values.push_back(value(k) + level * gauss(generator));
         recording.channels.push_back(std::move(channel));
     };
     for (const bool is_mobile : {true, false}) {

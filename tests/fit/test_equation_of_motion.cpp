@@ -91,8 +91,7 @@ TEST_CASE("the body's columns are Newton and Euler's equations, from acceleratio
     expected.setZero();
     for (int n = 0; n < equations.outputs; ++n)
         for (int i = 0; i <= 2 * phi.half(); ++i)
-            expected.col(n) += phi.value()[static_cast<std::size_t>(i)] *
-                               calcWrench(motion, model, (n * phi.stride() + i) * kInterval);
+            expected.col(n) += phi.value()[i] * calcWrench(motion, model, (n * phi.stride() + i) * kInterval);
     expected.colwise() -= expected.rowwise().mean().eval();
     for (int e = 0; e < 6; ++e) {
         double worst = 0;

@@ -131,7 +131,7 @@ TEST_CASE("One plot that is 20 % soft is found as such") {
     const int soft = std::uniform_int_distribution<int>(1, 4)(random);
     CAPTURE(seed, soft);
     const MountModel believed = truth;
-    truth.connections[static_cast<std::size_t>(soft - 1)].axis[2].stiffness *= 0.8;
+    truth.connections[soft - 1].axis[2].stiffness *= 0.8;
     const FitResult fit =
         fitMount({measure(test::simulateSweep(truth, makeSweep({0, 0, 200})), believed, seed)}, believed);
     for (int i = 1; i <= 4; ++i) {

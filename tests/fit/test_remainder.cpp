@@ -63,8 +63,8 @@ TEST_CASE("Singular values and directions are those of the weighted equations") 
     std::mt19937_64 random(seed);
     std::vector<Parameter> parameters(4);
     for (int j = 0; j < 4; ++j) {
-        parameters[static_cast<std::size_t>(j)].name = std::to_string(j + 1) + ".z.stiffness";
-        parameters[static_cast<std::size_t>(j)].unit = "N/m";
+        parameters[j].name = std::to_string(j + 1) + ".z.stiffness";
+        parameters[j].unit = "N/m";
     }
     Eigen::MatrixXd J(300, 4);
     for (Eigen::Index j = 0; j < 4; ++j) J.col(j) = 3 * drawNoise(random, 300);
@@ -75,7 +75,7 @@ TEST_CASE("Singular values and directions are those of the weighted equations") 
     REQUIRE(directions.size() == 4);
     for (int d = 0; d < 4; ++d) {
         CAPTURE(d);
-        const auto& direction = directions[static_cast<std::size_t>(d)];
+        const auto& direction = directions[d];
         CHECK(direction.singular_value == Approx(svd.singularValues()[d]).epsilon(1e-5));
         CHECK(direction.relative_error == Approx(1 / svd.singularValues()[d]).epsilon(1e-3));
         CHECK(direction.known == (d < 3));

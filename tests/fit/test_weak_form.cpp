@@ -20,7 +20,7 @@ namespace {
 
 double dot(const std::vector<double>& weights, const std::function<double(int)>& f, int half) {
     double sum = 0;
-    for (int i = -half; i <= half; ++i) sum += weights[static_cast<std::size_t>(i + half)] * f(i);
+    for (int i = -half; i <= half; ++i) sum += weights[i + half] * f(i);
     return sum;
 }
 
@@ -122,8 +122,7 @@ TEST_CASE("stop column: force and slope of every sample, averaged by brute force
         for (int n = 0; n < outputs; ++n)
             for (int i = 0; i <= 2 * phi.half(); ++i) {
                 const int k = n * phi.stride() + i;
-                dense.col(n) +=
-                    phi.value()[static_cast<std::size_t>(i)] * f(static_cast<std::size_t>(k)) * history.pattern.col(k);
+                dense.col(n) += phi.value()[i] * f(k) * history.pattern.col(k);
             }
         return dense;
     };
@@ -141,8 +140,8 @@ TEST_CASE("stop column: force and slope of every sample, averaged by brute force
         });
         Eigen::MatrixXd found = Eigen::MatrixXd::Zero(6, outputs), slope = found;
         for (std::size_t i = 0; i < columns[s].output.size(); ++i) {
-            found.col(columns[s].output[i]) = columns[s].value.col(static_cast<Eigen::Index>(i));
-            slope.col(columns[s].output[i]) = columns[s].slope.col(static_cast<Eigen::Index>(i));
+            found.col(columns[s].output[i]) = columns[s].value.col(i);
+            slope.col(columns[s].output[i]) = columns[s].slope.col(i);
         }
         CAPTURE(s);
         CHECK((found - values[s]).cwiseAbs().maxCoeff() < 1e-12 * values[s].cwiseAbs().maxCoeff());

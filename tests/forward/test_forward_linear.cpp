@@ -99,17 +99,17 @@ TEST_CASE("small motions of body and bracket follow the matrix exponential of M,
         J << Eigen::Matrix3d::Identity(), -crossMatrix(connection.position - model.body.center_of_gravity),
             Eigen::Matrix3d::Zero();
         for (int j = 0; j < 3; ++j) {
-            const BracketMode& mode = model.bracket[static_cast<std::size_t>(j)];
+            const BracketMode& mode = model.bracket[j];
             J.col(6 + j) = -mode.translation - mode.rotation.cross(connection.position);
         }
         for (int axis = 0; axis < 3; ++axis) {
-            const AxisLaw& law = connection.axis[static_cast<std::size_t>(axis)];
+            const AxisLaw& law = connection.axis[axis];
             K += law.stiffness * J.row(axis).transpose() * J.row(axis);
             C += law.damping * J.row(axis).transpose() * J.row(axis);
         }
     }
     for (int j = 0; j < 3; ++j) {
-        const BracketMode& mode = model.bracket[static_cast<std::size_t>(j)];
+        const BracketMode& mode = model.bracket[j];
         const double omega = kTwoPi * mode.frequency;
         K(6 + j, 6 + j) += omega * omega;
         C(6 + j, 6 + j) += 2 * mode.damping_ratio * omega;

@@ -37,7 +37,7 @@ Recording record(const ForwardModel& forward, const Simulation& simulation, cons
     const auto add = [&](Part part, Derivative derivative, const Eigen::MatrixXd& values, double sigma) {
         for (Eigen::Index i = 0; i < values.rows(); ++i) {
             Channel channel;
-            const Connection& connection = forward.model().connections[static_cast<std::size_t>(i / 3)];
+            const Connection& connection = forward.model().connections[i / 3];
             channel.name = formatChannelName({part, connection.name, static_cast<int>(i % 3), derivative});
             for (Eigen::Index k = 0; k < values.cols(); ++k)
                 channel.values.push_back(values(i, k) + sigma * draw(generator));

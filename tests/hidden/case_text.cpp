@@ -44,7 +44,7 @@ void addSensors(const HiddenCase& hidden, const std::string& side, const std::st
     const std::size_t count = hidden.set_up.oneAxis() ? 1 : hidden.truth.connections.size();
     for (std::size_t i = 0; i < count; ++i) {
         const std::string triax = side + "." + hidden.truth.connections[i].name;
-        const auto column = static_cast<Eigen::Index>(i);
+        const Eigen::Index column = i;
         bool turned = false;
         for (const auto& sensor : hidden.truth.sensors) turned |= sensor.channel == triax && !sensor.rotation.isZero(0);
         for (int a = hidden.set_up.oneAxis() ? 2 : 0; a < 3; ++a) {

@@ -100,7 +100,7 @@ private:
 
     void addOutside(const BodyMotion& mobile, const FrameMotion& fixed, double t, Wrench& on_mobile,
                     Wrench& on_fixed) const {
-        const Eigen::Vector3d r = model_.connections[static_cast<std::size_t>(outside_.connection)].position;
+        const Eigen::Vector3d r = model_.connections[outside_.connection].position;
         const Eigen::Vector3d q = calcRelativeMotion(mobile, fixed, r).q;
         const Eigen::Vector3d f = -outside_.calcForce(q, t) * fixed.R_GF.col(outside_.axis);
         on_mobile.force += f;
@@ -127,7 +127,7 @@ class Recorder {
 public:
     Recorder(const Device& device, const MountModel& model, const Points* points, Eigen::Index samples)
         : device_(device), model_(model), points_(points) {
-        motion_.relative.resize(3 * static_cast<Eigen::Index>(model.connections.size()), samples);
+        motion_.relative.resize(3 * model.connections.size(), samples);
         if (points == nullptr) return;
         motion_.mobile_displacement.resize(points->mobile_displacement.size(), samples);
         motion_.mobile_acceleration.resize(points->mobile_acceleration.size(), samples);
@@ -140,7 +140,7 @@ public:
         const BodyMotion mobile = device_.body(y);
         const FrameMotion fixed = device_.frame(y).motion;
         for (std::size_t i = 0; i < model_.connections.size(); ++i)
-            motion_.relative.block<3, 1>(3 * static_cast<Eigen::Index>(i), sample) =
+            motion_.relative.block<3, 1>(3 * i, sample) =
                 calcRelativeMotion(mobile, fixed, model_.connections[i].position).q;
         if (points_ == nullptr) return;
         const auto base = device_.frameAcceleration(y, rates);

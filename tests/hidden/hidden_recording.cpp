@@ -100,8 +100,7 @@ private:
 
 Eigen::Matrix3Xd listPlaces(const MountModel& model, const TriaxErrors& errors) {
     Eigen::Matrix3Xd places = errors.place;
-    for (std::size_t i = 0; i < model.connections.size(); ++i)
-        places.col(static_cast<Eigen::Index>(i)) += model.connections[i].position;
+    for (std::size_t i = 0; i < model.connections.size(); ++i) places.col(i) += model.connections[i].position;
     return places;
 }
 
@@ -122,8 +121,7 @@ Eigen::MatrixXd listRows(const HiddenCase& hidden, const Recording& recording, c
             const Channel* channel = recording.find(triax + prefix + kAxes[a]);
             if (channel == nullptr) continue;
             any = true;
-            rows.row(3 * static_cast<Eigen::Index>(i) + a) =
-                Eigen::Map<const Eigen::RowVectorXd>(channel->values.data(), n);
+            rows.row(3 * i + a) = Eigen::Map<const Eigen::RowVectorXd>(channel->values.data(), n);
         }
     return any ? rows : Eigen::MatrixXd();
 }
@@ -240,7 +238,7 @@ Recording recordRun(const HiddenCase& hidden, std::size_t run, std::uint64_t see
     const auto add = [&](const std::string& side, const std::string& prefix, const Eigen::MatrixXd& rows,
                          const TriaxErrors& triax_errors, double noise) {
         for (std::size_t i = 0; noise > 0 && i < countTriaxes(hidden); ++i) {
-            const auto column = static_cast<Eigen::Index>(i);
+            const Eigen::Index column = i;
             maker.addTriax(side, side + "." + hidden.truth.connections[i].name, prefix, rows.middleRows(3 * column, 3),
                            triax_errors, column, noise, recording);
         }

@@ -36,8 +36,8 @@ OutsideEffect drawOutside(const MountModel& model, bool axis_only, Random& rando
     outside.connection = drawInteger(random, 0, static_cast<int>(model.connections.size()) - 1);
     outside.axis = axis_only ? 2 : drawInteger(random, 0, 2);
     outside.other_axis = (outside.axis + drawInteger(random, 1, 2)) % 3;
-    const auto& connection = model.connections[static_cast<std::size_t>(outside.connection)];
-    const double stiffness = connection.axis[static_cast<std::size_t>(outside.axis)].stiffness;
+    const auto& connection = model.connections[outside.connection];
+    const double stiffness = connection.axis[outside.axis].stiffness;
     const double range = connection.axis[2].stops.front().clearance;
     outside.frequency = drawUniform(random, 2, 9);
     outside.length = range * drawUniform(random, 0.15, 0.4);

@@ -23,8 +23,8 @@ double calcReach(const HiddenCase& hidden, const MountModel& device, std::size_t
     for (std::size_t i = 0; i < device.connections.size(); ++i)
         for (std::size_t a = 0; a < 3; ++a)
             for (const auto& stop : device.connections[i].axis[a].stops)
-                reach = std::max(reach, (stop.side == Side::positive ? 1.0 : -1.0) / stop.clearance *
-                                            q.row(static_cast<Eigen::Index>(3 * i + a)).maxCoeff());
+                reach = std::max(
+                    reach, (stop.side == Side::positive ? 1.0 : -1.0) / stop.clearance * q.row(3 * i + a).maxCoeff());
     return reach;
 }
 
@@ -215,9 +215,7 @@ HiddenCase drawCase(const CaseOptions& options, Random& random) {
         hidden.kind = kind;
         hidden.set_up = options.set_up.value_or(drawSetUp(options.set_up_kind, random));
         const auto causes = listCauses(hidden.set_up);
-        const auto drawCause = [&] {
-            return causes[static_cast<std::size_t>(drawInteger(random, 0, static_cast<int>(causes.size()) - 1))];
-        };
+        const auto drawCause = [&] { return causes[drawInteger(random, 0, static_cast<int>(causes.size()) - 1)]; };
         drawSensors(hidden, options, random);
         std::vector<std::string> wanted;
         if (kind == "single") wanted = {drawCause()};
@@ -278,7 +276,7 @@ Eigen::MatrixXd simulateRelative(const HiddenCase& hidden, const MountModel& mod
     try {
         return simulateDevice({model, none, hidden.set_up}, makeDrive(plan), kFast, samples, 1 / kFast).relative;
     } catch (const TruthDiverged&) {
-        return Eigen::MatrixXd::Constant(3 * static_cast<Eigen::Index>(model.connections.size()), samples, 1.0);
+        return Eigen::MatrixXd::Constant(3 * model.connections.size(), samples, 1.0);
     }
 }
 

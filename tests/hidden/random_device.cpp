@@ -53,7 +53,7 @@ MountModel drawDevice(Random& random) {
         }
         connection.axis[2].stops = {{Side::positive, clearance, stop, 0}, {Side::negative, clearance, stop, 0}};
         const std::size_t outward = std::abs(connection.position.x()) > std::abs(connection.position.y()) ? 0 : 1;
-        const auto component = static_cast<Eigen::Index>(outward);
+        const Eigen::Index component = outward;
         const Side side = connection.position[component] > 0 ? Side::positive : Side::negative;
         connection.axis[outward].stops = {{side, 1.3 * clearance, 0.4 * stop, 0}};
         model.connections.push_back(connection);

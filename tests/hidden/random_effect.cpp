@@ -57,8 +57,7 @@ private:
         return level_ == 0 ? log(lower, upper) : uniform(2.5 * own_.*tolerance, 8 * largest_.*tolerance);
     }
     const Connection& drawConnection() {
-        return truth_.connections[static_cast<std::size_t>(
-            drawInteger(random_, 0, static_cast<int>(truth_.connections.size()) - 1))];
+        return truth_.connections[drawInteger(random_, 0, static_cast<int>(truth_.connections.size()) - 1)];
     }
 
     void drawBody() {
@@ -212,7 +211,7 @@ private:
 
     /// The modes file does not hold it; it would be the row after the last.
     void removeMode(int row) {
-        const auto at = static_cast<std::ptrdiff_t>(row - 1);
+        const std::ptrdiff_t at = row - 1;
         for (auto* model : {&base_, &truth_}) {
             auto& modes = model->bracket;
             std::rotate(modes.begin() + at, modes.begin() + at + 1, modes.end());

@@ -11,7 +11,7 @@ namespace {
 
 TriaxErrors drawTriaxes(const SmallErrors& sizes, std::size_t count, Random& random) {
     TriaxErrors errors;
-    const auto columns = static_cast<Eigen::Index>(count);
+    const Eigen::Index columns = count;
     errors.gain = errors.rotation = errors.place = Eigen::Matrix3Xd::Zero(3, columns);
     for (Eigen::Index i = 0; i < columns; ++i) {
         Eigen::Vector3d axis;

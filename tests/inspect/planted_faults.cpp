@@ -72,7 +72,7 @@ void addTriaxes(const std::vector<std::string>& names, const std::string& prefix
     for (std::size_t i = 0; i < names.size(); ++i) {
         const Eigen::Matrix3d R = rotationFromVector(drawVector(random, 0.5 * kPi / 180));
         for (Eigen::Index a = 0; a < 3; ++a) {
-            const Eigen::RowVectorXd row = R.row(a) * truth.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+            const Eigen::RowVectorXd row = R.row(a) * truth.middleRows(3 * i, 3);
             Channel channel{names[i] + "." + prefix + kAxes[a], prefix.empty() ? "m" : "m/s^2", {}, 0};
             const double gain = 1 + drawUniform(random, -0.005, 0.005);
             for (const double value : row) channel.values.push_back(gain * value + normal(random));
@@ -102,7 +102,7 @@ std::vector<std::string> listSensor(const std::vector<std::string>& names, const
 
 PlantedFault drawFault(const std::vector<std::string>& names, bool drift_allowed, Random& random) {
     static constexpr std::array<double, 6> units{9.80665, 1 / 9.80665, 1e3, 1e-3, 25.4, 1 / 25.4};
-    const std::string one = names[static_cast<std::size_t>(drawInteger(random, 0, static_cast<int>(names.size()) - 1))];
+    const std::string one = names[drawInteger(random, 0, static_cast<int>(names.size()) - 1)];
     const bool acceleration = one[one.size() - 2] == 'a';
     const bool whole = drawCoin(random, 0.3);
     const std::vector<std::string> sensor = listSensor(names, one);
@@ -127,8 +127,7 @@ PlantedFault drawFault(const std::vector<std::string>& names, bool drift_allowed
                                        name.front() == one.front();
                 if (name != one && (same_sensor || same_axis)) others.push_back(name);
             }
-            fault.channels = {
-                one, others[static_cast<std::size_t>(drawInteger(random, 0, static_cast<int>(others.size()) - 1))]};
+            fault.channels = {one, others[drawInteger(random, 0, static_cast<int>(others.size()) - 1)]};
             break;
         }
         case 3:
@@ -220,10 +219,10 @@ FaultyRun drawFaultyRun(int count, Random& random) {
         for (auto column : places.colwise()) column += drawVector(random, 5e-4);
         return places;
     };
-    Eigen::Matrix3Xd ends(3, static_cast<Eigen::Index>(run.model.connections.size()));
+    Eigen::Matrix3Xd ends(3, run.model.connections.size());
     std::vector<std::string> mobile_ends, fixed_ends;
     for (std::size_t i = 0; i < run.model.connections.size(); ++i) {
-        ends.col(static_cast<Eigen::Index>(i)) = run.model.connections[i].position;
+        ends.col(i) = run.model.connections[i].position;
         mobile_ends.push_back("mobile." + run.model.connections[i].name);
         fixed_ends.push_back("fixed." + run.model.connections[i].name);
     }

@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
             const auto found = identify::findMeasurementFaults(run.recording, run.model);
             seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             const test::FaultScore score = test::scoreFaults(run, found);
-            auto& sum = sums[static_cast<std::size_t>(faults)];
+            auto& sum = sums[faults];
             sum.planted += score.planted;
             sum.named += score.named;
             sum.innocent += score.innocent;
@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
         }
     }
     for (int faults = 0; faults < kSizes; ++faults) {
-        const test::FaultScore& sum = sums[static_cast<std::size_t>(faults)];
+        const test::FaultScore& sum = sums[faults];
         std::cout << faults << " faults at once: " << sum.named << " of " << sum.planted << " named, " << sum.blamed
                   << " of " << sum.innocent << " innocent channels blamed\n";
     }

@@ -87,7 +87,7 @@ Recording makeSweptRun(std::mt19937& random) {
 const char* plantedName(int kind) {
     static constexpr std::array<const char*, kind_count> names = {
         "gap", "repeated stamps", "drop-out", "clipping", "saturation", "hum", "offset", "drift"};
-    return names.at(static_cast<std::size_t>(kind));
+    return names.at(kind);
 }
 
 Planted plant(int kind, Recording& run, std::mt19937& random) {

@@ -34,7 +34,7 @@ TEST_CASE("Amplitude and phase of three orders along a sweep") {
     REQUIRE(orders.tracks.size() == 2);
     int points = 0;
     for (std::size_t p = 0; p < orders.hertz.size(); ++p) {
-        const auto i = static_cast<Eigen::Index>(p);
+        const Eigen::Index i = p;
         if (!std::isfinite(orders.tracks[1].amplitude(0, i)) || orders.hertz[p] < 6 || orders.hertz[p] > 45) continue;
         ++points;
         const double a = 1e-3 * from * std::exp(rate * orders.time[p]) / to;

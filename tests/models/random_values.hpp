@@ -102,7 +102,7 @@ public:
         if (chance()) drawTolerances(model);
         if (chance()) {
             for (bool& motion : model.body.free) motion = chance();
-            model.body.free[static_cast<std::size_t>(integer(0, 5))] = true;
+            model.body.free[integer(0, 5)] = true;
         }
         if (chance()) model.load_point = LoadPoint{chance() ? Part::mobile : Part::fixed, vector(0.2)};
         return model;

@@ -14,7 +14,7 @@ namespace {
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<double> randomStates(const AxisForce& force, RandomValues& random) {
-    std::vector<double> z(static_cast<std::size_t>(force.stateCount()));
+    std::vector<double> z(force.stateCount());
     for (double& state : z) state = random.number(-1e-3, 1e-3);
     if (force.law().friction && force.law().friction->presliding_stiffness) {  // |σ s| ≤ F
         const double limit = force.law().friction->force / *force.law().friction->presliding_stiffness;

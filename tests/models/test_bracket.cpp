@@ -57,8 +57,7 @@ TEST_CASE("bracket: power of wrench and load equals the change of energy plus wh
     bracket.calcAccelerations(eta, rate, wrench, load, Vector3d::Zero(), second);
     const FrameMotion motion = bracket.calcMotion(eta, rate);
     Vector3d load_velocity = Vector3d::Zero();
-    for (int j = 0; j < 5; ++j)
-        load_velocity += bracket.modes()[static_cast<std::size_t>(j)].load_translation * rate[j];
+    for (int j = 0; j < 5; ++j) load_velocity += bracket.modes()[j].load_translation * rate[j];
     const double power = wrench.force.dot(motion.v_GF) + wrench.moment.dot(motion.w_GF) + load.dot(load_velocity);
     const double h = 1e-7;
     const double energy_rate = (bracket.calcEnergy(eta + h * rate, rate + h * second) -

@@ -96,8 +96,7 @@ TEST_CASE("random: unit RMS, inside its band, the same for the same seed only") 
     // All power lies at multiples of 1/T inside the band (discrete Fourier sums).
     const auto power = [&](double f) {
         std::complex<double> sum = 0;
-        for (int i = 0; i < n; ++i)
-            sum += samples[static_cast<std::size_t>(i)] * std::polar(1.0, -kTwoPi * f * i / rate);
+        for (int i = 0; i < n; ++i) sum += samples[i] * std::polar(1.0, -kTwoPi * f * i / rate);
         return std::norm(sum / double(n));
     };
     double inside = 0, outside = 0;

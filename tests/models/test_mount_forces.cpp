@@ -23,7 +23,7 @@ struct Situation {
 
 Situation makeSituation(RandomValues& random) {
     Situation s{random.model(), random.mobileMotion(), random.fixedMotion(), random.number(0, 10), {}, {}};
-    s.z.resize(static_cast<std::size_t>(MountForces(s.model).stateCount()));
+    s.z.resize(MountForces(s.model).stateCount());
     for (double& state : s.z) state = random.number(-1e-5, 1e-5);
     s.zdot = s.z;
     return s;
@@ -92,7 +92,7 @@ TEST_CASE("mount forces: total force and moment vanish, power is minus the sum o
     const Eigen::Matrix3Xd f = forces.calcConnectionForces(s.mobile, s.fixed, s.t, s.z.data());
     double sum = 0;
     for (int i = 0; i < forces.connectionCount(); ++i) {
-        const auto& position = s.model.connections[static_cast<std::size_t>(i)].position;
+        const auto& position = s.model.connections[i].position;
         sum += f.col(i).dot(calcRelativeMotion(s.mobile, s.fixed, position).v);
     }
     CHECK(power == Approx(-sum).epsilon(1e-10).margin(1e-9));
@@ -178,7 +178,7 @@ TEST_CASE("mount forces: states of an axis stand where stateOffset says") {
     REQUIRE(forces.stateCount() == 1 + forces.axis(0, 2).stateCount());
     CHECK(forces.stateOffset(0, 0) == 0);
     CHECK(forces.stateOffset(0, 2) == 1);
-    std::vector<double> z(static_cast<std::size_t>(forces.stateCount()), 0.0), zdot(z);
+    std::vector<double> z(forces.stateCount(), 0.0), zdot(z);
     BodyMotion mobile;
     mobile.p_GM = {1e-3, 0, 2e-3};
     Wrench on_mobile, on_fixed;

@@ -63,7 +63,7 @@ TEST_CASE("shock response of a half-sine: the closed form") {
         for (std::size_t i = 0; i < frequency.size(); ++i) {
             const auto [highest, lowest] = solveHalfSine(A, T, frequency[i], quality);
             CAPTURE(frequency[i], quality);
-            const auto k = static_cast<Eigen::Index>(i);
+            const Eigen::Index k = i;
             // Straight lines between samples cut (πΔt/T)²/8 = 2.5e-7; the largest sample lies (ωΔt)²/8 below the peak.
             CHECK(response.positive[k] == Approx(highest).epsilon(2e-4));
             CHECK(response.negative[k] == Approx(lowest).epsilon(2e-4).margin(1e-3));

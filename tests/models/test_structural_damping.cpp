@@ -15,7 +15,7 @@ std::complex<double> measureComplexStiffness(const AxisForce& force, double freq
     const double omega = kTwoPi * frequency;
     const int steps_per_period = 400, periods = 60;
     const double dt = 1 / frequency / steps_per_period;
-    std::vector<double> z(static_cast<std::size_t>(force.stateCount())), a(z), b(z), middle(z);
+    std::vector<double> z(force.stateCount()), a(z), b(z), middle(z);
     std::complex<double> sum = 0;
     for (int i = 0; i < steps_per_period * periods; ++i) {
         const double t = i * dt;

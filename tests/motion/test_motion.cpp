@@ -35,7 +35,7 @@ Errors calcErrors(const Case& c, const RunMotion& run, Eigen::Index margin) {
     Errors e;
     const Eigen::Index n = run.mobile.p.cols();
     for (Eigen::Index k = margin; k < n - margin; ++k) {
-        const double t = run.time[static_cast<std::size_t>(k)];
+        const double t = run.time[k];
         e.p += (run.mobile.p.col(k) - c.motion.p(t)).squaredNorm();
         e.v += (run.mobile.v.col(k) - c.motion.v(t)).squaredNorm();
         e.a += (run.mobile.a.col(k) - c.motion.a(t)).squaredNorm();
@@ -194,7 +194,7 @@ TEST_CASE("Gravity shifts the pose by the static deflection") {
     const RunMotion run = estimateMotion(c.recording, c.model);
     const double sag = -8 * 9.81 / 4e5;
     for (const Eigen::Index k : {0, 700, 4000}) {
-        const double t = run.time[static_cast<std::size_t>(k)];
+        const double t = run.time[k];
         CHECK(run.mobile.p(2, k) == Approx(c.motion.p(t).z() + sag).margin(1e-9));
     }
 }
@@ -211,7 +211,7 @@ TEST_CASE("Without channels of its own the fixed part follows the base") {
     c.recording.channels.push_back(base);
     const RunMotion run = estimateMotion(c.recording, c.model);
     for (const Eigen::Index k : {5000, 6010, 7025}) {
-        const double t = run.time[static_cast<std::size_t>(k)];
+        const double t = run.time[k];
         CHECK(run.fixed.p(2, k) == Approx(-2 / (w * w) * std::sin(w * t)).margin(0.01 * 2 / (w * w)));
         CHECK(run.fixed.v(2, k) == Approx(-2 / w * std::cos(w * t)).margin(0.01 * 2 / w));
     }

@@ -47,7 +47,7 @@ TEST_CASE("Exact rigid motions come back to round-off") {
     CHECK(residuals.cwiseAbs().maxCoeff() < 1e-13);
     Eigen::Matrix3Xd w(3, p.cols());
     for (Eigen::Index k = 0; k < p.cols(); ++k) {
-        const double t = c.recording.time[static_cast<std::size_t>(k)];
+        const double t = c.recording.time[k];
         w.col(k) = motion.w(t);
         REQUIRE((p.col(k) - motion.p(t)).norm() < 1e-13);
         REQUIRE((rotationFromVector(theta.col(k)) - motion.R(t)).norm() < 1e-11);
@@ -57,7 +57,7 @@ TEST_CASE("Exact rigid motions come back to round-off") {
     const double scale = alpha.cwiseAbs().maxCoeff();
     CHECK(residuals.cwiseAbs().maxCoeff() < 1e-10 * scale);
     for (Eigen::Index k = 0; k < p.cols(); ++k) {
-        const double t = c.recording.time[static_cast<std::size_t>(k)];
+        const double t = c.recording.time[k];
         REQUIRE((a.col(k) - motion.a(t)).norm() < 1e-10 * scale);
         REQUIRE((alpha.col(k) - motion.alpha(t)).norm() < 1e-9 * scale);
     }

@@ -57,7 +57,7 @@ struct Laboratory {
         double p = 0, theta = 0;
         const Eigen::Index n = run.mobile.p.cols(), margin = 300;
         for (Eigen::Index k = margin; k < n - margin; ++k) {
-            const double t = run.time[static_cast<std::size_t>(k)];
+            const double t = run.time[k];
             p += (run.mobile.p.col(k) - motion.p(t)).squaredNorm();
             theta += (run.mobile.theta.col(k) - vectorFromRotation(motion.R(t))).squaredNorm();
         }
@@ -92,7 +92,7 @@ TEST_CASE("Turned accelerometers that ride on the part, single axes among them, 
     CHECK(run.mobile.acceleration_measured);
     double error = 0, size = 0;
     for (Eigen::Index k = 300; k < run.mobile.a.cols() - 300; ++k) {
-        const double t = run.time[static_cast<std::size_t>(k)];
+        const double t = run.time[k];
         error += (run.mobile.a.col(k) - lab.motion.a(t)).squaredNorm();
         size += lab.motion.a(t).squaredNorm();
     }

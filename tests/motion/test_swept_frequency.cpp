@@ -44,7 +44,7 @@ TEST_CASE("Swept frequency follows sweeps up and down, with noise") {
     for (std::size_t k = 0; k < recording.time.size(); ++k) {
         const double t = recording.time[k];
         if (t < 1.5 || t > signal->duration() - 1.5) continue;
-        REQUIRE(swept.hertz[static_cast<Eigen::Index>(k)] == Approx(signal->frequency(t)).epsilon(0.02));
+        REQUIRE(swept.hertz[k] == Approx(signal->frequency(t)).epsilon(0.02));
     }
 }
 

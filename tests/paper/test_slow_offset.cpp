@@ -22,13 +22,12 @@ double calcSlowError(const RunMotion& motion, const MountModel& model, const tes
         const Eigen::Vector3d& r = model.connections[i].position;
         Eigen::Matrix3Xd exact(3, estimate.q.cols());
         for (Eigen::Index k = 0; k < exact.cols(); ++k) {
-            const auto n = static_cast<std::size_t>(k);
+            const std::size_t n = k;
             exact.col(k) = truth.R_GF[n].transpose() *
                            (truth.p_M.col(k) + truth.R_GM[n] * r - truth.p_F.col(k) - truth.R_GF[n] * r);
         }
         for (Eigen::Index axis = 0; axis < 3; ++axis) {
-            const Eigen::VectorXd error =
-                (estimate.q.row(3 * static_cast<Eigen::Index>(i) + axis) - exact.row(axis)).transpose();
+            const Eigen::VectorXd error = (estimate.q.row(3 * i + axis) - exact.row(axis)).transpose();
             squares += keepSlowPart(error, truth.interval, below, 1.2 * below).x.squaredNorm() /
                        static_cast<double>(error.size());
         }

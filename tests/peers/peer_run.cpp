@@ -50,7 +50,7 @@ Plan readPlan(const char* file) {
     plan.sweep = makeLogarithmicSweep(from.at("sweep").at(0).get<double>(), from.at("sweep").at(1).get<double>(),
                                       from.at("octaves_per_minute").get<double>());
     for (int axis = 0; axis < 3; ++axis)
-        plan.base_acceleration[axis] = from.at("base_acceleration").at(static_cast<std::size_t>(axis)).get<double>();
+        plan.base_acceleration[axis] = from.at("base_acceleration").at(axis).get<double>();
     const auto rate = from.at("sample_rate").get<double>();
     plan.interval = 1 / rate;
     plan.samples = static_cast<int>(std::lround(from.at("duration").get<double>() * rate)) + 1;
@@ -84,7 +84,7 @@ Run runSimbody(const Plan& plan) {
     const plugin::SimulationResult result = plugin::simulate(plan.model, drive, settings);
     Run run;
     run.evaluations = result.cost.realizations;
-    run.q = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(plan.model.connections.size()), plan.samples);
+    run.q = Eigen::MatrixXd::Zero(3 * plan.model.connections.size(), plan.samples);
     for (const Channel& channel : result.recording.channels) {
         const auto name = parseChannelName(channel.name);
         if (!name || (name->part != Part::mobile && name->part != Part::fixed)) continue;

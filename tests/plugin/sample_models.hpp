@@ -21,7 +21,7 @@ inline MountModel makeRigidModel() {
         Connection connection;
         connection.name = std::to_string(i + 1);
         connection.position = Eigen::Vector3d(positions[i][0], positions[i][1], positions[i][2]);
-        for (int k = 0; k < 3; ++k) connection.axis[static_cast<std::size_t>(k)].stiffness = 2e4 + 5e3 * k + 1e3 * i;
+        for (int k = 0; k < 3; ++k) connection.axis[k].stiffness = 2e4 + 5e3 * k + 1e3 * i;
         model.connections.push_back(connection);
     }
     return model;

@@ -40,7 +40,7 @@ TEST_CASE("base displacement times minus the frequency squared is the accelerati
     double worst = 0;
     for (int line = 10; line <= 4000; ++line) {
         const double omega = kTwoPi * line / T;
-        const auto k = static_cast<std::size_t>(line);
+        const std::size_t k = line;
         worst = std::max(worst, std::abs(a[k] + omega * omega * x[k]) / std::abs(a[k]));
         worst = std::max(worst, std::abs(a[k] - std::complex<double>(0, omega) * v[k]) / std::abs(a[k]));
     }

@@ -77,7 +77,7 @@ TEST_CASE("steady vibration agrees with the frequency domain") {
     std::vector<Eigen::MatrixXd> ends;
     Eigen::VectorXd load = Eigen::VectorXd::Zero(n);
     for (int j = 0; j < 4; ++j) {
-        const BracketMode& mode = model.bracket[static_cast<std::size_t>(j)];
+        const BracketMode& mode = model.bracket[j];
         const double natural = kTwoPi * mode.frequency;
         dynamic(6 + j, 6 + j) += natural * natural + 2.0 * i * omega * mode.damping_ratio * natural;
         load(6 + j) = mode.load_translation.dot(force);
@@ -88,11 +88,11 @@ TEST_CASE("steady vibration agrees with the frequency domain") {
         G.leftCols<3>() = Eigen::Matrix3d::Identity();
         G.middleCols<3>(3) = -r;
         for (int j = 0; j < 4; ++j) {
-            const BracketMode& mode = model.bracket[static_cast<std::size_t>(j)];
+            const BracketMode& mode = model.bracket[j];
             G.col(6 + j) = -(mode.translation - r * mode.rotation);
         }
         for (int k = 0; k < 3; ++k) {
-            const AxisLaw& law = connection.axis[static_cast<std::size_t>(k)];
+            const AxisLaw& law = connection.axis[k];
             std::complex<double> stiffness = law.stiffness + i * omega * law.damping;
             if (law.relaxation) stiffness += law.stiffness * ratio * i * omega * tau / (1.0 + i * omega * tau);
             dynamic += stiffness * (G.row(k).transpose() * G.row(k)).cast<std::complex<double>>();
@@ -136,8 +136,8 @@ public:
                    SimTK::Vector& mobility_forces) const override {
         Eigen::VectorXd eta(4), eta_dot(4), eta_dot_dot(4);
         for (int j = 0; j < 4; ++j) {
-            eta[j] = sliders_[static_cast<std::size_t>(j)].getLength(state);
-            eta_dot[j] = sliders_[static_cast<std::size_t>(j)].getRate(state);
+            eta[j] = sliders_[j].getLength(state);
+            eta_dot[j] = sliders_[j].getRate(state);
         }
         Wrench on_mobile, on_fixed;
         laws_.calc(calcFrameMotion(body_, Transform(), state), bracket_.calcMotion(eta, eta_dot), state.getTime(),
@@ -145,8 +145,7 @@ public:
         body_forces[body_.getMobilizedBodyIndex()] += toSimTK(on_mobile);
         bracket_.calcAccelerations(eta, eta_dot, on_fixed, drive_->calcLoad(state.getTime()), Eigen::Vector3d::Zero(),
                                    eta_dot_dot);
-        for (int j = 0; j < 4; ++j)
-            sliders_[static_cast<std::size_t>(j)].applyOneMobilityForce(state, 0, eta_dot_dot[j], mobility_forces);
+        for (int j = 0; j < 4; ++j) sliders_[j].applyOneMobilityForce(state, 0, eta_dot_dot[j], mobility_forces);
     }
     SimTK::Real calcPotentialEnergy(const State&) const override { return 0; }
 
@@ -187,8 +186,7 @@ TEST_CASE("bracket modes as auxiliary states move like bodies on sliders") {
     CHECK(deepest > 2e-4);
     CHECK((device.body().getQ(with_states) - body.getQ(with_bodies)).norm() < 1e-9);
     const Eigen::VectorXd eta = device.force().getEta(with_states);
-    for (int j = 0; j < 4; ++j)
-        CHECK(std::abs(eta[j] - sliders[static_cast<std::size_t>(j)].getLength(with_bodies)) < 1e-9);
+    for (int j = 0; j < 4; ++j) CHECK(std::abs(eta[j] - sliders[j].getLength(with_bodies)) < 1e-9);
 }
 
 TEST_CASE("base acceleration moves the device like a base that moves") {

@@ -67,7 +67,7 @@ Motion simulateForward(const MountModel& model, const Run& run, int finer = 1) {
     motion.relative = markers.mobile_displacement - markers.fixed_displacement;
     motion.first_contact = run.samples();
     for (Eigen::Index row = 0; row < simulation.q.rows(); ++row) {
-        const auto& law = model.connections[static_cast<std::size_t>(row / 3)].axis[static_cast<std::size_t>(row % 3)];
+        const auto& law = model.connections[row / 3].axis[row % 3];
         for (const auto& stop : law.stops)
             for (int k = 0; k < run.samples(); ++k) {
                 const double q = simulation.q(row, k) + law.offset;
@@ -87,13 +87,11 @@ Eigen::MatrixXd simulateSimbody(const MountModel& model, const Run& run) {
     settings.longest_step = 0.5e-3;
     const auto drive = plugin::makeSignalDrive(run.signal, run.force, Eigen::Vector3d::Zero(), true);
     const auto recording = plugin::simulate(model, drive, settings).recording;
-    Eigen::MatrixXd relative(3 * static_cast<Eigen::Index>(model.connections.size()), run.samples());
+    Eigen::MatrixXd relative(3 * model.connections.size(), run.samples());
     for (Eigen::Index row = 0; row < relative.rows(); ++row) {
-        const std::string end =
-            model.connections[static_cast<std::size_t>(row / 3)].name + "." + "xyz"[static_cast<std::size_t>(row % 3)];
+        const std::string end = model.connections[row / 3].name + "." + "xyz"[row % 3];
         const auto &mobile = recording.find("mobile." + end)->values, &fixed = recording.find("fixed." + end)->values;
-        for (int k = 0; k < run.samples(); ++k)
-            relative(row, k) = mobile[static_cast<std::size_t>(k)] - fixed[static_cast<std::size_t>(k)];
+        for (int k = 0; k < run.samples(); ++k) relative(row, k) = mobile[k] - fixed[k];
     }
     return relative;
 }

@@ -57,7 +57,7 @@ Record simulateSimbody(const MountModel& model, const Run& run) {
     Eigen::Index column = 0;
     settings.observer = [&](double, const plugin::DeviceMotion& motion) {
         for (Eigen::Index i = 0; i < rows / 3; ++i) {
-            const RelativeMotion& relative = motion.relative[static_cast<std::size_t>(i)];
+            const RelativeMotion& relative = motion.relative[i];
             record.q.block<3, 1>(3 * i, column) = relative.q;
             record.v.block<3, 1>(3 * i, column) = relative.v;
         }
@@ -99,10 +99,7 @@ Eigen::MatrixXd calcForces(const identify::OpenLoopRun& run, const MountModel& m
     Eigen::MatrixXd force(run.q.rows(), run.q.cols());
     for (int row = 0; row < run.q.rows(); ++row)
         force.row(row) =
-            identify::calcAxisForce(
-                run, model.connections[static_cast<std::size_t>(row / 3)].axis[static_cast<std::size_t>(row % 3)],
-                row / 3, row % 3)
-                .transpose();
+            identify::calcAxisForce(run, model.connections[row / 3].axis[row % 3], row / 3, row % 3).transpose();
     return force;
 }
 
@@ -153,7 +150,7 @@ TEST_CASE("along its own motion the equations of a mount with hysteresis leave w
         for (identify::SmoothPart* part : {&run.mobile, &run.fixed}) {
             for (auto* matrix : {&part->p, &part->theta, &part->v, &part->w, &part->a, &part->alpha})
                 matrix->setZero(3, count);
-            part->R.assign(static_cast<std::size_t>(count), Eigen::Matrix3d::Identity());
+            part->R.assign(count, Eigen::Matrix3d::Identity());
         }
         Eigen::MatrixXd load(6, count);
         for (int k = 0; k < count; ++k) {
@@ -161,7 +158,7 @@ TEST_CASE("along its own motion the equations of a mount with hysteresis leave w
             const auto rates = simulation.rates.col(k * step);
             const Eigen::Vector3d w = state.mobile.w_GM, arm = state.mobile.R_GM * model.body.center_of_gravity;
             const Eigen::Vector3d alpha = state.mobile.R_GM * rates.segment<3>(identify::at_angular);
-            run.mobile.R[static_cast<std::size_t>(k)] = state.mobile.R_GM;
+            run.mobile.R[k] = state.mobile.R_GM;
             run.mobile.p.col(k) = state.mobile.p_GM;
             run.mobile.v.col(k) = state.mobile.v_GM;
             run.mobile.w.col(k) = w;

@@ -245,8 +245,8 @@ TEST_CASE("contacts are those that the recording shows") {
     const SimulationResult result = simulate(model, makeLoadSweep({60, 30, 150}), settings);
     int reached = 0;
     for (const StopContact& contact : result.contacts) {
-        const Connection& connection = model.connections[static_cast<std::size_t>(contact.connection)];
-        const Stop& stop = connection.axis[static_cast<std::size_t>(contact.axis)].stops[contact.stop];
+        const Connection& connection = model.connections[contact.connection];
+        const Stop& stop = connection.axis[contact.axis].stops[contact.stop];
         const std::string channel = connection.name + "." + "xyz"[contact.axis];
         const auto& mobile = valuesOf(result, "mobile." + channel);
         const auto& fixed = valuesOf(result, "fixed." + channel);

@@ -29,7 +29,7 @@ struct Problem {
     Eigen::MatrixXd prior(const HypothesisSet& set) const {
         Eigen::MatrixXd C = deviation.cwiseAbs2().asDiagonal();
         for (const int h : set)
-            for (const Direction& direction : hypotheses[static_cast<std::size_t>(h)].directions) {
+            for (const Direction& direction : hypotheses[h].directions) {
                 Eigen::VectorXd along = Eigen::VectorXd::Zero(C.rows());
                 for (const auto& [column, weight] : direction) along[column] += weight;
                 C += along * along.transpose();
@@ -41,7 +41,7 @@ struct Problem {
         const Eigen::MatrixXd S = Eigen::MatrixXd::Identity(J.rows(), J.rows()) + J * prior(set) * J.transpose();
         const Eigen::LLT<Eigen::MatrixXd> factor(S);
         double odds = 0;
-        for (const int h : set) odds += hypotheses[static_cast<std::size_t>(h)].log_prior;
+        for (const int h : set) odds += hypotheses[h].log_prior;
         return odds - 0.5 * r.dot(factor.solve(r)) - factor.matrixLLT().diagonal().array().log().sum();
     }
 };

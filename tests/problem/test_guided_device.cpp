@@ -125,7 +125,7 @@ Recording makeShaking(const MountModel& model, double noise, double base_noise, 
 
 double calcMountMisfit(const Recording& recording, const MountModel& model) {
     const TestProblem problem({recording}, {}, model);
-    const auto block = static_cast<std::size_t>(Block::mount);
+    const std::size_t block = indexOf(Block::mount);
     const BlockInformation mount = problem.misfit(problem.believedPoint()).identification[block];
     return mount.chi_squared / mount.count;
 }

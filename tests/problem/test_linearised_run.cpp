@@ -35,7 +35,7 @@ TEST_CASE("The quadratic of an information is the misfit about its state", "[lin
         const Unknown& row = table[i];
         // Sensors' columns hold less noise than their channels; see selection.cpp.
         if (row.kind >= UnknownKind::channel_gain || row.believed == row.least) continue;
-        const auto column = static_cast<Eigen::Index>(i);
+        const Eigen::Index column = i;
         const double A = view.identification[0].A(column, column);
         if (!(A > 0)) continue;
         // A change that the data see at ten times their noise, but no more than a thousandth of the reach.
@@ -75,8 +75,7 @@ TEST_CASE("A factor on all forces is known by nothing but noise", "[linearised r
         const Unknown& row = problem.table()[i];
         const bool law =
             row.kind == UnknownKind::law && (endsWith(row.name, "stiffness") || endsWith(row.name, "damping"));
-        if (law || row.name == "body.mass" || row.name.rfind("body.inertia.", 0) == 0)
-            factor[static_cast<Eigen::Index>(i)] = row.believed;
+        if (law || row.name == "body.mass" || row.name.rfind("body.inertia.", 0) == 0) factor[i] = row.believed;
     }
     // The column is the residual.
     CHECK(factor.dot(mount.b) == Approx(mount.chi_squared).epsilon(0.01));
@@ -104,7 +103,7 @@ TEST_CASE("Columns have the slope of the misfit, with a mode at the end of the s
     believed.bracket.front().damping_ratio *= 1.02;
     const TestProblem problem({recording}, {}, believed);
     const TestView view = problem.view(problem.believedPoint());
-    const BlockInformation& bracket = view.identification[static_cast<std::size_t>(Block::bracket)];
+    const BlockInformation& bracket = view.identification[indexOf(Block::bracket)];
     REQUIRE_FALSE(bracket.empty());
     const auto& table = problem.table();
     int tried = 0;
@@ -112,16 +111,14 @@ TEST_CASE("Columns have the slope of the misfit, with a mode at the end of the s
         const Unknown& row = table[i];
         const bool of_mode = (row.kind == UnknownKind::mode || row.kind == UnknownKind::shape) && row.first == 0;
         if (!of_mode && row.kind != UnknownKind::load && row.name != "body.mass") continue;
-        const auto column = static_cast<Eigen::Index>(i);
+        const Eigen::Index column = i;
         const double A = bracket.A(column, column);
         if (!(A > 0)) continue;
         const double step = std::min(3 / std::sqrt(A), 1e-3 * row.reach);
         Eigen::VectorXd estimate = Eigen::VectorXd::Zero(problem.deviations().size());
         const auto misfitAt = [&](double value) {
             estimate[column] = value;
-            return problem.misfit(problem.pointAt(estimate, {}))
-                .identification[static_cast<std::size_t>(Block::bracket)]
-                .chi_squared;
+            return problem.misfit(problem.pointAt(estimate, {})).identification[indexOf(Block::bracket)].chi_squared;
         };
         const double slope = (misfitAt(step) - misfitAt(-step)) / (4 * step);
         CAPTURE(row.name);

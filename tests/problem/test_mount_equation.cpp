@@ -24,7 +24,7 @@ OpenLoopRun makeRun(int samples, int connections) {
     run.q = run.v = run.quiet_v = Eigen::MatrixXd::Zero(3 * connections, samples);
     for (SmoothPart* part : {&run.mobile, &run.fixed}) {
         part->p = part->theta = part->v = part->w = part->a = part->alpha = Eigen::Matrix3Xd::Zero(3, samples);
-        part->R.assign(static_cast<std::size_t>(samples), Eigen::Matrix3d::Identity());
+        part->R.assign(samples, Eigen::Matrix3d::Identity());
     }
     run.taper = Eigen::VectorXd::Ones(samples);
     return run;

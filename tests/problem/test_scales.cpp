@@ -42,7 +42,7 @@ TEST_CASE("Reaches are scaled by the largest relative displacement and velocity"
     const auto reachOf = [&](const std::string& name) {
         const int row = findUnknown(problem.table(), name);
         REQUIRE(row >= 0);
-        return problem.table()[static_cast<std::size_t>(row)].reach;
+        return problem.table()[row].reach;
     };
     const std::string place = model.connections[0].name + ".z.";
     const double stiffness = model.connections[0].axis[2].stiffness;

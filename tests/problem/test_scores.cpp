@@ -55,7 +55,7 @@ TEST_CASE("At the truth nothing but noise moves any number", "[scores]") {
     for (int draw = 0; draw < draws; ++draw) {
         const TestProblem problem({addNoise(exact, 5e-7, random)}, {}, model);
         const TestView view = problem.view(problem.believedPoint());
-        const auto rows = static_cast<Eigen::Index>(problem.table().size());
+        const Eigen::Index rows = problem.table().size();
         for (std::size_t block = 0; block < 2; ++block) {
             const Eigen::VectorXd scores = calcScores(view.identification[block], rows) / draws;
             mean[block] = draw == 0 ? scores : Eigen::VectorXd(mean[block] + scores);
@@ -66,6 +66,6 @@ TEST_CASE("At the truth nothing but noise moves any number", "[scores]") {
     for (std::size_t block = 0; block < 2; ++block)
         for (std::size_t i = 0; i < names.size(); ++i) {
             CAPTURE(block, names[i]);
-            CHECK(std::abs(mean[block][static_cast<Eigen::Index>(i)]) < 5 * 1.3 / std::sqrt(draws));
+            CHECK(std::abs(mean[block][i]) < 5 * 1.3 / std::sqrt(draws));
         }
 }

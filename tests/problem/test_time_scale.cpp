@@ -80,7 +80,7 @@ TEST_CASE("The unit of time changes nothing in the adjustments", "[update]") {
     CHECK(here.adjustments.cwiseAbs().maxCoeff() > 0.5);
     for (std::size_t i = 0; i < here.names.size(); ++i) {
         CAPTURE(here.names[i]);
-        const auto row = static_cast<Eigen::Index>(i);
+        const Eigen::Index row = i;
         CHECK(there.adjustments[row] == Approx(here.adjustments[row]).margin(1e-5));
     }
 }

@@ -89,8 +89,8 @@ void writeCompressed(const std::string& file) {
     constexpr int rows = 500;
     std::vector<double> time(rows), force(rows);
     for (int i = 0; i < rows; ++i) {
-        time[static_cast<std::size_t>(i)] = i * 1e-3;
-        force[static_cast<std::size_t>(i)] = i % 7 * 10.0;
+        time[i] = i * 1e-3;
+        force[i] = i % 7 * 10.0;
     }
     sample.add("time", {1, rows}, {1, 64}, false, time);
     sample.add("load_fz", {1, rows}, {1, 64}, true, force);

@@ -43,8 +43,7 @@ Recording makeMotion(const MountModel& model, double motion_of_fixed) {
         for (const auto& connection : model.connections) {
             std::array<Channel, 3> channels;
             for (int axis = 0; axis < 3; ++axis)
-                channels[static_cast<std::size_t>(axis)].name =
-                    formatChannelName({part, connection.name, axis, Derivative::displacement});
+                channels[axis].name = formatChannelName({part, connection.name, axis, Derivative::displacement});
             for (const double t : recording.time) {
                 const Eigen::Vector3d shift =
                     size * 1e-3 * Eigen::Vector3d(std::sin(60 * t), std::cos(70 * t + size), std::sin(90 * t));
@@ -54,8 +53,7 @@ Recording makeMotion(const MountModel& model, double motion_of_fixed) {
                      Eigen::AngleAxisd(size * 0.007 * std::cos(80 * t), Eigen::Vector3d::UnitZ()))
                         .toRotationMatrix();
                 const Eigen::Vector3d u = shift + R * connection.position - connection.position;
-                for (int axis = 0; axis < 3; ++axis)
-                    channels[static_cast<std::size_t>(axis)].values.push_back(u[axis] + noise(random));
+                for (int axis = 0; axis < 3; ++axis) channels[axis].values.push_back(u[axis] + noise(random));
             }
             recording.channels.insert(recording.channels.end(), channels.begin(), channels.end());
         }
@@ -167,8 +165,7 @@ TEST_CASE("Whatever rotation a rigid part makes, its displacements are within th
             const Eigen::Vector3d p = 1e3 * draw();
             for (std::size_t i = 0; i < model.connections.size(); ++i) {
                 const Eigen::Vector3d r = model.connections[i].position, u = p + R * r - r;
-                for (std::size_t axis = 0; axis < 3; ++axis)
-                    recording.channels[3 * i + axis].values.push_back(u[static_cast<Eigen::Index>(axis)]);
+                for (std::size_t axis = 0; axis < 3; ++axis) recording.channels[3 * i + axis].values.push_back(u[axis]);
             }
         }
         CHECK_NOTHROW(checkRigidBound(recording, model));

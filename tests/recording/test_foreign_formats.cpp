@@ -37,14 +37,12 @@ void checkChannel(const Recording& recording, const std::string& name, double (*
     INFO(recording.file << ": " << name);
     REQUIRE(channel != nullptr);
     REQUIRE(channel->values.size() == 32);
-    for (int k = 0; k < 32; ++k)
-        CHECK(channel->values[static_cast<std::size_t>(k)] == Approx(expected(k)).margin(tolerance).epsilon(0));
+    for (int k = 0; k < 32; ++k) CHECK(channel->values[k] == Approx(expected(k)).margin(tolerance).epsilon(0));
 }
 
 void checkTime(const Recording& recording) {
     REQUIRE(recording.time.size() == 32);
-    for (int k = 0; k < 32; ++k)
-        CHECK(recording.time[static_cast<std::size_t>(k)] == Approx(timeAt(k)).margin(1e-9).epsilon(0));
+    for (int k = 0; k < 32; ++k) CHECK(recording.time[k] == Approx(timeAt(k)).margin(1e-9).epsilon(0));
 }
 
 ColumnMap mapOf(const std::string& columns, const std::string& table = {}) {
@@ -112,8 +110,7 @@ TEST_CASE("The same run out of every format") {
     const Channel* az = recording.find("mobile.1.az");
     REQUIRE(az != nullptr);
     for (int k = 0; k < 32; ++k)
-        CHECK(az->values[static_cast<std::size_t>(k)] ==
-              Approx(sign * azAt(k)).margin(sample.tolerance * 9.8).epsilon(0));
+        CHECK(az->values[k] == Approx(sign * azAt(k)).margin(sample.tolerance * 9.8).epsilon(0));
     checkChannel(recording, "mobile.1.z", zAt, sample.tolerance * 1.5e-3);
     checkChannel(recording, "load.fz", fzAt, sample.tolerance * 200);
 }

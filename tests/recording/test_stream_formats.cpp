@@ -215,7 +215,7 @@ TEST_CASE("Blocks of HDF5 files join to the whole recording") {
         const test::Hdf5Sample sample(file.path());
         int shape = 0;
         for (const char* name : {"mobile_1_z", "load_fz", "base_az"}) {
-            const auto& dims = shapes[static_cast<std::size_t>(shape++)];
+            const auto& dims = shapes[shape++];
             sample.add(name, dims, chunkOf(dims), single, drawn(samples));
         }
         const auto& dims = shapes[random() % 3];
