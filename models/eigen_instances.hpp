@@ -90,10 +90,14 @@ WEMS_EIGEN_INSTANCE void MatrixBase<WemsBlock>::applyHouseholderOnTheRight(const
 // Decompositions of a matrix; one of an expression is compiled where it stands.
 WEMS_EIGEN_INSTANCE SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::compute(
     const EigenBase<MatrixXd>&, int);
+WEMS_EIGEN_INSTANCE SelfAdjointEigenSolver<MatrixXcd>& SelfAdjointEigenSolver<MatrixXcd>::compute(
+    const EigenBase<MatrixXcd>&, int);
 WEMS_EIGEN_INSTANCE EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, bool);
 WEMS_EIGEN_INSTANCE LLT<MatrixXd>& LLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
+WEMS_EIGEN_INSTANCE LLT<MatrixXcd>& LLT<MatrixXcd>::compute(const EigenBase<MatrixXcd>&);
 WEMS_EIGEN_INSTANCE LDLT<MatrixXd>& LDLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
 WEMS_EIGEN_INSTANCE class SelfAdjointEigenSolver<MatrixXd>;
+WEMS_EIGEN_INSTANCE class SelfAdjointEigenSolver<MatrixXcd>;
 WEMS_EIGEN_INSTANCE class GeneralizedSelfAdjointEigenSolver<MatrixXd>;
 WEMS_EIGEN_INSTANCE class EigenSolver<MatrixXd>;
 WEMS_EIGEN_INSTANCE class RealSchur<MatrixXd>;
@@ -101,6 +105,7 @@ WEMS_EIGEN_INSTANCE class HouseholderQR<MatrixXd>;
 WEMS_EIGEN_INSTANCE class ColPivHouseholderQR<MatrixXd>;
 WEMS_EIGEN_INSTANCE class CompleteOrthogonalDecomposition<MatrixXd>;
 WEMS_EIGEN_INSTANCE class PartialPivLU<MatrixXd>;
+WEMS_EIGEN_INSTANCE class JacobiSVD<MatrixXd>;
 
 }  // namespace Eigen
 #endif

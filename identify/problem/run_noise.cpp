@@ -49,14 +49,15 @@ std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> calcDensities(const Open
             kept * (motion.covariance(Part::mobile, w) + motion.covariance(Part::fixed, w) + folded / (w * w * w * w));
     }
     for (Eigen::Index b = 0; b < wrong.cols(); ++b)
-        densities[static_cast<std::size_t>(spectra.firstBin() + b)].diagonal() +=
+        densities[spectra.firstBin() + b].diagonal() +=
             (wrong.col(b).head<6>() + wrong.col(b).tail<6>()) / run.taper.squaredNorm();
     return densities;
 }
 
 /// Square root of a covariance that may be singular.
 Eigen::MatrixXcd calcRoot(const Matrix12c& covariance) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(covariance);
+    const Eigen::MatrixXcd any_size = covariance;  // whose decomposition is compiled already (eigen_instances.hpp)
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(any_size);
     return solver.eigenvectors() *
            solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().cast<std::complex<double>>().asDiagonal();
 }
@@ -166,7 +167,7 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
             const auto c = static_cast<int>(i);
-            const AxisLaw& law = model.connections[i].axis[static_cast<std::size_t>(a)];
+            const AxisLaw& law = model.connections[i].axis[a];
             const Vector6 d = calcAxisDirection(model, c, a);
             const Eigen::Index row = 3 * static_cast<Eigen::Index>(i) + a;
             directions.push_back(d * d.transpose());
@@ -185,20 +186,19 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
 
     // In contact the noise of all frequencies, modulated by the stop, enters each of them.
     Eigen::MatrixXd& contact_power = contact_power_;
-    contact_power.setZero(static_cast<Eigen::Index>(directions.size()), spectra.binCount());
+    contact_power.setZero(directions.size(), spectra.binCount());
     contact_variances_.assign(directions.size(), 0.0);
     std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> densities;
     for (std::size_t i = 0; i < directions.size(); ++i) {
         const double square = contact[i].squaredNorm() / static_cast<double>(run.sampleCount());
         if (!(square > 0)) continue;
         const Matrix6& along = directions[i];  // d dᵀ: variance along d is dᵀ P d = trace(along P)
-        const auto row = static_cast<Eigen::Index>(i);
+        const Eigen::Index row = i;
         if (densities.empty())
             densities = calcDensities(run, motion, spectra, folded, part * motion_power,
                                       slow != nullptr ? slow->cornerFrequency() : 0.0);
         Eigen::RowVectorXd density(spectra.densityCount());
-        for (Eigen::Index k = 0; k < density.size(); ++k)
-            density[k] = (along * densities[static_cast<std::size_t>(k)]).trace();
+        for (Eigen::Index k = 0; k < density.size(); ++k) density[k] = (along * densities[k]).trace();
         contact_power.row(row) = spectra.calcModulated(contact[i], density).transpose();
         contact_variances_[i] = contact_power.row(row).mean() / (square * run.taper.squaredNorm());
     }
@@ -240,7 +240,7 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
         const Matrix12c PA = P * A.adjoint();
         S += A * PA;
         for (std::size_t i = 0; i < directions.size(); ++i) {
-            const double power = contact_power(static_cast<Eigen::Index>(i), b);
+            const double power = contact_power(i, b);
             if (power > 0) S.topLeftCorner<6, 6>() += (power * directions[i]).cast<std::complex<double>>();
         }
         if (!with_bracket) {

@@ -27,12 +27,11 @@ Eigen::MatrixXd calcRigidResidual(const SensorLayout& layout, const GroupSamples
     for (Eigen::Index k = 0; k < residual.cols(); ++k) {
         const Eigen::Matrix3d R = rotationFromVector(part.theta.col(k));
         for (std::size_t c = 0; c < samples.channels.size(); ++c)
-            residual(static_cast<Eigen::Index>(c), k) -=
-                calcChannelMotion(layout.channels[static_cast<std::size_t>(samples.channels[c])], group.derivative, R,
-                                  part.p.col(k), part.w.col(k), part.a.col(k), part.alpha.col(k));
+            residual(c, k) -= calcChannelMotion(layout.channels[samples.channels[c]], group.derivative, R,
+                                                part.p.col(k), part.w.col(k), part.a.col(k), part.alpha.col(k));
     }
     const Eigen::MatrixXd design = makeChannelDesign(layout, samples.channels);
-    const Eigen::BDCSVD<Eigen::MatrixXd> svd(design, Eigen::ComputeThinU);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(design, Eigen::ComputeThinU);
     residual.colwise() -= residual.rowwise().mean().eval();  // displacements count from rest
     const auto rank = (svd.singularValues().array() > kUnseen * svd.singularValues()[0]).count();
     const Eigen::MatrixXd basis = svd.matrixU().leftCols(rank);
@@ -70,26 +69,23 @@ double calcChannelMotion(const SensorChannel& channel, Derivative derivative, co
 GroupSamples collectGroup(const Recording& recording, const SensorLayout& layout, int group) {
     GroupSamples result;
     std::vector<const Channel*> found;
-    for (const int index : layout.groups[static_cast<std::size_t>(group)].channels)
-        if (const Channel* channel = recording.find(layout.channels[static_cast<std::size_t>(index)].name)) {
+    for (const int index : layout.groups[group].channels)
+        if (const Channel* channel = recording.find(layout.channels[index].name)) {
             result.channels.push_back(index);
             found.push_back(channel);
         }
-    result.values.resize(static_cast<Eigen::Index>(found.size()), static_cast<Eigen::Index>(recording.sampleCount()));
+    result.values.resize(found.size(), recording.sampleCount());
     for (std::size_t i = 0; i < found.size(); ++i)
-        result.values.row(static_cast<Eigen::Index>(i)) = Eigen::Map<const Eigen::RowVectorXd>(
-            found[i]->values.data(), static_cast<Eigen::Index>(found[i]->values.size()));
+        result.values.row(i) = Eigen::Map<const Eigen::RowVectorXd>(found[i]->values.data(), found[i]->values.size());
     return result;
 }
 
 Eigen::MatrixXd makeChannelDesign(const SensorLayout& layout, const std::vector<int>& channels) {
-    Eigen::MatrixXd design(static_cast<Eigen::Index>(channels.size()), 6);
+    Eigen::MatrixXd design(channels.size(), 6);
     for (std::size_t i = 0; i < channels.size(); ++i) {
-        const auto& channel = layout.channels[static_cast<std::size_t>(channels[i])];
-        design.row(static_cast<Eigen::Index>(i)) << channel.direction.transpose(),
-            channel.position.cross(channel.direction).transpose();
-        design.row(static_cast<Eigen::Index>(i)) =
-            design.row(static_cast<Eigen::Index>(i)).cwiseProduct(channel.freedom.transpose()).eval();
+        const auto& channel = layout.channels[channels[i]];
+        design.row(i) << channel.direction.transpose(), channel.position.cross(channel.direction).transpose();
+        design.row(i) = design.row(i).cwiseProduct(channel.freedom.transpose()).eval();
     }
     return design;
 }
