@@ -26,7 +26,7 @@ constexpr double kWorth = 0.05;
 /// What a set says and where: two sets of one statement differ only in where they began to look.
 std::string signatureOf(const TestProblem& problem, const HypothesisSet& set) {
     std::vector<std::string> statements;
-    for (const int h : set) statements.push_back(describe(problem.hypotheses()[static_cast<std::size_t>(h)]));
+    for (const int h : set) statements.push_back(describe(problem.hypotheses()[h]));
     std::sort(statements.begin(), statements.end());
     std::string text;
     for (const auto& statement : statements) text += statement + "; ";
@@ -72,7 +72,7 @@ private:
     void tell(const std::string& text) const {
         if (progress_) progress_(text);
     }
-    const Hypothesis& at(int hypothesis) const { return problem_.hypotheses()[static_cast<std::size_t>(hypothesis)]; }
+    const Hypothesis& at(int hypothesis) const { return problem_.hypotheses()[hypothesis]; }
     Evidence ownEvidence() const { return makeEvidence(problem_, state_.view, state_.scales, true); }
 
     /// One cause more, one less, or one for another, as the evidence says and the prediction bears out.
@@ -186,7 +186,7 @@ private:
             double most = evidence.calcLogEvidence(state_.set);
             int best = -1;
             for (int h = 0; h < static_cast<int>(problem_.hypotheses().size()); ++h) {
-                const double own = extended[static_cast<std::size_t>(h)];
+                const double own = extended[h];
                 if (!(own > most) || !isOwnNumbers(at(h)) ||
                     std::find(refused.begin(), refused.end(), h) != refused.end() ||
                     calcBeyondProbability(problem_, at(h), state_.point, posterior) < 0.5)
@@ -228,7 +228,7 @@ private:
         return hypothesis.start.empty() && hypothesis.moves.empty() &&
                std::all_of(hypothesis.directions.begin(), hypothesis.directions.end(), [&](const Direction& own) {
                    return own.size() == 1 && static_cast<std::size_t>(own.front().first) < problem_.table().size() &&
-                          problem_.table()[static_cast<std::size_t>(own.front().first)].deviation > 0;
+                          problem_.table()[own.front().first].deviation > 0;
                });
     }
 
@@ -262,7 +262,6 @@ private:
         const SetSolution settled = evidence.solve(state_.set);
         // The present point is near the quadratic's estimate of its set: a trial differs from it as the estimates do.
         const Eigen::VectorXd shift = present - settled.mean;
-        const double own = settler_.calcExcess(state_.view, state_.point, present, state_.scales, true);
         for (const RankedSet& entry : ranked) {
             if (trials.size() > kTried) break;
             const std::string signature = signatureOf(problem_, entry.members);
@@ -275,10 +274,10 @@ private:
                                     return a.log_evidence < b.log_evidence;
                                 })->log_evidence;
             Trial trial{entry.members, problem_.pointAt(target, entry.members), entry.log_evidence};
-            const double excess = settler_.calcExcess(state_.view, trial.point, target, state_.scales, true) - own;
+            const double excess = settler_.calcExcess(state_.view, trial.point, target, state_.scales, true);
             trial.log_evidence -= 0.5 * std::max(0.0, excess);
             if (entry.log_evidence > best && trial.log_evidence < best) {
-                const double here = evidence.calcChange(present) + settler_.calcPriorSquare(present, state_.set) + own;
+                const double here = evidence.calcChange(present) + settler_.calcPriorSquare(present, state_.set);
                 const double gained = here - refine(trial, evidence);
                 trial.log_evidence = std::max(
                     trial.log_evidence, std::min(entry.log_evidence, trials.front().log_evidence + solution.occam -

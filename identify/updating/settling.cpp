@@ -40,7 +40,7 @@ bool areAlike(const BlockScales& a, const BlockScales& b) {
 
 std::vector<Hypothesis> collect(const TestProblem& problem, const HypothesisSet& set) {
     std::vector<Hypothesis> members;
-    for (const int h : set) members.push_back(problem.hypotheses()[static_cast<std::size_t>(h)]);
+    for (const int h : set) members.push_back(problem.hypotheses()[h]);
     return members;
 }
 
@@ -48,19 +48,18 @@ std::vector<Hypothesis> collect(const TestProblem& problem, const HypothesisSet&
 Eigen::VectorXd calcPriorSlope(const TestProblem& problem, const Eigen::VectorXd& estimate, const HypothesisSet& set) {
     const Eigen::VectorXd deviation = problem.deviations();
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(deviation.size());
-    std::vector<char> member(static_cast<std::size_t>(deviation.size()), 0);
+    std::vector<char> member(deviation.size(), 0);
     std::vector<Eigen::Index> freed;
     for (const int h : set)
-        for (const auto& direction : problem.hypotheses()[static_cast<std::size_t>(h)].directions)
+        for (const auto& direction : problem.hypotheses()[h].directions)
             for (const auto& [column, weight] : direction)
-                if (!std::exchange(member[static_cast<std::size_t>(column)], 1)) freed.push_back(column);
+                if (!std::exchange(member[column], 1)) freed.push_back(column);
     for (Eigen::Index i = 0; i < deviation.size(); ++i)
-        if (deviation[i] > 0 && !member[static_cast<std::size_t>(i)])
-            slope[i] = estimate[i] / (deviation[i] * deviation[i]);
+        if (deviation[i] > 0 && !member[i]) slope[i] = estimate[i] / (deviation[i] * deviation[i]);
     if (freed.empty()) return slope;
     Eigen::MatrixXd C = deviation(freed).cwiseAbs2().asDiagonal();
     for (const int h : set)
-        for (const auto& direction : problem.hypotheses()[static_cast<std::size_t>(h)].directions) {
+        for (const auto& direction : problem.hypotheses()[h].directions) {
             Eigen::VectorXd along = Eigen::VectorXd::Zero(C.rows());
             for (const auto& [column, weight] : direction)
                 along[std::find(freed.begin(), freed.end(), column) - freed.begin()] += weight;
@@ -155,7 +154,8 @@ void Settler::settle(SetState& state, int most, bool with_validation) const {
     state.scales = scalesOf(calcMisfits(sumOf(state.view, true), problem_.estimateOf(state.point)));
 }
 
-/// The point towards which a quadratic leads, as far as the equations themselves bear out what it promises.
+/// The point towards which a quadratic leads, as far as the equations themselves bear out what it promises. The view
+/// was made at `point`: there the quadratic is what the equations say.
 /// @return false if no share of the way is worth it
 bool Settler::advance(const TestView& view, const Information& all, const HypothesisSet& set, const BlockScales& scales,
                       double least, bool with_validation, TestPoint& point) const {
@@ -166,7 +166,6 @@ bool Settler::advance(const TestView& view, const Information& all, const Hypoth
     };
     const double here = objective(present);
     if (!(here - objective(target) >= least)) return false;  // nor where it is no number
-    const double own = calcExcess(view, point, present, scales, with_validation);
     struct Reached {
         double share = 1, gain = 0;  // of the whole step; what is there of what the quadratic promises
         TestPoint point;
@@ -175,7 +174,7 @@ bool Settler::advance(const TestView& view, const Information& all, const Hypoth
         const Eigen::VectorXd at = present + share * (target - present);
         TestPoint next = problem_.pointAt(at, set);
         const double promised = here - objective(at);
-        const double excess = calcExcess(view, next, at, scales, with_validation) - own;
+        const double excess = calcExcess(view, next, at, scales, with_validation);
         return {share, promised - excess, std::move(next)};
     };
     const double promised = here - objective(target);
