@@ -17,4 +17,8 @@ inline unsigned drawSeed() {
     return static_cast<unsigned>(std::stoul(wanted));
 }
 
+inline bool isSeedFixed() {
+    return std::getenv("WEMS_SEED") == nullptr;
+}
+
 }  // namespace wems::test
