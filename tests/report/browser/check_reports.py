@@ -82,6 +82,12 @@ for (const element of document.querySelectorAll("h1,h2,p,td,th,pre,figcaption,la
 }
 return faint;"""
 
+# Roles of what a screen reader names; Chromium calls a list of choices by either name.
+CONTROLS = {"button", "checkbox", "combobox", "listbox", "PopUpButton", "ComboBoxSelect", "radio", "slider", "spinbutton", "textbox"}
+PICTURES = {"img", "image"}
+SHOWN = """return [...document.querySelectorAll("[role=img], [role=group], button, input, select")]
+  .filter(element => element.checkVisibility()).map(element => element.tagName);"""
+
 SET = """arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event("input"));"""
 
 
@@ -227,12 +233,25 @@ def check_page(browser, name, checks, out):
 def check_names(browser, name, checks):
     checks.check(len(find(browser, "h1")) == 1 and browser.title, f"{name}: one title")
     checks.check(browser.execute_script("return document.documentElement.lang") == "en", f"{name}: language")
-    controls = [element for element in find(browser, "button, input, select") if element.is_displayed()]
-    for element in find(browser, "[role=img], [role=group]") + controls:
-        checks.check(element.accessible_name.strip(), f"{name}: accessible name of {element.get_attribute('outerHTML')[:80]}")
-    for group in find(browser, "[role=group]"):
-        names = [e.accessible_name for e in group.find_elements("css selector", "button, input, select")]
-        checks.check(len(names) == len(set(names)), f"{name}: names of the controls of a group differ")
+    nodes = {node["nodeId"]: node for node in browser.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]}
+
+    def role_and_name(node):
+        return (node.get("role", {}).get("value"), node.get("name", {}).get("value", "").strip()) if not node["ignored"] else (None, "")
+
+    def controls_below(node):
+        for child in (nodes[key] for key in node.get("childIds", []) if key in nodes):
+            role, own = role_and_name(child)
+            yield from [own] if role in CONTROLS else controls_below(child)
+
+    known = [node for node in nodes.values() if role_and_name(node)[0] in CONTROLS | PICTURES | {"group"}]
+    shown = browser.execute_script(SHOWN)
+    checks.check(len(known) >= len(shown), f"{name}: {len(known)} parts in the tree of names, {len(shown)} on the page")
+    for node in known:
+        role, own = role_and_name(node)
+        checks.check(own, f"{name}: accessible name of a {role}")
+        if role == "group":
+            names = list(controls_below(node))
+            checks.check(len(names) == len(set(names)), f"{name}: names of the controls of a group differ: {names}")
 
 
 def picture_of(browser, figure=".scene"):
