@@ -299,8 +299,8 @@ private:
         addSingle("mass", "body", row("body.mass"));
         const auto addTriple = [&](const char* cause, const std::string& prefix) {
             std::vector<int> rows;
-            for (int a = 0; a < 3; ++a)
-                if (const int index = row(prefix + kAxes[a]); index >= 0) rows.push_back(index);
+            for (const char* axis : kAxes)
+                if (const int index = row(prefix + axis); index >= 0) rows.push_back(index);
             if (rows.empty()) return;
             Hypothesis& all = add(cause, {"body"});
             for (const int index : rows) all.directions.push_back({{index, at(index).reach}});
@@ -363,8 +363,8 @@ private:
         }
         for (const auto& triax : layout_.triaxes) {
             Hypothesis& hypothesis = add("sensor_misalignment", {triax.name});
-            for (int a = 0; a < 3; ++a) {
-                const int index = row(triax.name + ".r" + kAxes[a]);
+            for (const char* axis : kAxes) {
+                const int index = row(triax.name + ".r" + axis);
                 hypothesis.directions.push_back({{index, at(index).reach}});
                 hypothesis.reported.push_back(index);
             }
