@@ -18,7 +18,6 @@
 #pragma once
 
 #include "models/hysteresis_terms.hpp"
-#include "models/number_functions.hpp"
 
 namespace wems {
 

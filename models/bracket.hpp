@@ -104,4 +104,9 @@ std::vector<BracketMode> readBracketModes(const std::string& file);
 /// The same from text; `file` is for messages.
 std::vector<BracketMode> parseBracketModes(std::string_view text, const std::string& file);
 
+// The modes file as text; reading it is in models/bracket.hpp.
+
+/// The text of a modes file that reads back to the same modes; base columns only where a mode has some.
+std::string formatBracketModes(const std::vector<BracketMode>& modes);
+
 }  // namespace wems

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "models/error.hpp"
 #include "models/format_number.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems {
 namespace {

@@ -7,6 +7,10 @@
 
 namespace wems {
 
+// The three axes of a frame by name.
+
+inline constexpr const char* kAxes[3] = {"x", "y", "z"};
+
 /// The shortest decimal that reads back as the same double; `nan`, `inf`, `-inf`.
 std::string formatNumber(double value);
 /// With so many significant digits, for messages.

@@ -16,9 +16,32 @@
 /// constants that are asked for here are the second to the fourth of models/axis_terms.hpp: Y, n, 2 β − 1.
 #pragma once
 
-#include "models/number_functions.hpp"
+#include <cmath>
 
 namespace wems {
+
+// Functions that models/axis_terms.hpp and the forward model's equations ask of a number, for `double`.
+// identify/forward/pack.hpp has them for packs.
+
+inline double positivePart(double x) {
+    return x > 0 ? x : 0.0;
+}
+inline double hyperbolicTangent(double x) {
+    return std::tanh(x);
+}
+/// 1 − exp(−x) for x ≥ 0, its tangent x for x < 0.
+inline double decayedPart(double x) {
+    return x > 0 ? -std::expm1(-x) : x;
+}
+inline double reciprocalRoot(double x) {
+    return 1 / std::sqrt(x);
+}
+
+/// A function of numbers that has no form for packs: of each lane by itself.
+template <class Function, class... More>
+inline double perNumber(const Function& function, double first, More... more) {
+    return function(first, more...);
+}
 
 namespace hysteresis {
 

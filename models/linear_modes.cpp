@@ -10,7 +10,7 @@
 #include "models/format_number.hpp"
 #include "models/guided_motion.hpp"
 #include "models/mount_forces.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems {
 namespace {

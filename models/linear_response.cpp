@@ -1,11 +1,15 @@
 #include "models/linear_response.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "models/mount_forces.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems {
+
 namespace {
 
 using Complex = std::complex<double>;
@@ -68,6 +72,101 @@ std::vector<ConnectionResponse> LinearDynamics::calcResponse(double frequency, c
         ConnectionResponse& end = response[branch.connection];
         end.force[branch.axis] += calcBranchStiffness(branch.branch, omega) * end.relative[branch.axis];
     }
+    return response;
+}
+
+namespace {
+
+/// Nodes and weights of Gauss–Legendre on [−1, 1], half of them (Abramowitz and Stegun, table 25.4, n = 8).
+constexpr std::array<double, 4> kNode{0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
+constexpr std::array<double, 4> kWeight{0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+
+/// ∫ |H|² S df and ∫ f² |H|² S df: two columns.
+class MeanSquares {
+public:
+    MeanSquares(const LinearDynamics& dynamics, const HarmonicInput& direction, const PowerSpectrum& spectrum)
+        : dynamics_(dynamics), direction_(direction), spectrum_(spectrum) {}
+
+    Eigen::ArrayX2d integrate() const {
+        // A panel for each half octave between breakpoints, so that no resonance is overlooked at first sight: eight
+        // nodes a panel are closer than a resonance is wide, or halving finds the difference.
+        std::vector<double> ends;
+        for (std::size_t i = 0; i + 1 < spectrum_.frequency().size(); ++i) {
+            const double a = std::log(spectrum_.frequency()[i]), b = std::log(spectrum_.frequency()[i + 1]);
+            const int count = static_cast<int>(std::ceil((b - a) / (panel_octaves * std::log(2.0))));
+            for (int k = 0; k < count; ++k) ends.push_back(a + (b - a) * k / count);
+        }
+        ends.push_back(std::log(spectrum_.highest()));
+        std::vector<Eigen::ArrayX2d> panels;
+        Eigen::ArrayX2d whole;
+        for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+            panels.push_back(sum(ends[i], ends[i + 1]));
+            whole = i == 0 ? panels[0] : (whole + panels[i]).eval();
+        }
+        Eigen::ArrayX2d result = Eigen::ArrayX2d::Zero(whole.rows(), 2);
+        for (std::size_t i = 0; i + 1 < ends.size(); ++i)
+            result += refine(ends[i], ends[i + 1], panels[i], whole, deepest_halving);
+        return result;
+    }
+
+private:
+    static constexpr double panel_octaves = 0.05;
+    static constexpr double tolerance = 1e-10;
+    static constexpr int deepest_halving = 24;
+
+    Eigen::ArrayX2d sum(double a, double b) const {
+        Eigen::ArrayX2d total;
+        for (std::size_t i = 0; i < kNode.size(); ++i)
+            for (const double sign : {-1.0, 1.0}) {
+                const double f = std::exp(0.5 * (a + b) + 0.5 * (b - a) * sign * kNode[i]);
+                const Eigen::ArrayXd square = listOutputs(dynamics_.calcResponse(f, direction_)).cwiseAbs2();
+                const double weight = 0.5 * (b - a) * kWeight[i] * f * spectrum_.calcValue(f);
+                if (total.size() == 0) total = Eigen::ArrayX2d::Zero(square.size(), 2);
+                total.col(0) += weight * square;
+                total.col(1) += weight * f * f * square;
+            }
+        return total;
+    }
+
+    Eigen::ArrayX2d refine(double a, double b, const Eigen::ArrayX2d& coarse, const Eigen::ArrayX2d& whole,
+                           int halvings) const {
+        const double middle = 0.5 * (a + b);
+        const Eigen::ArrayX2d left = sum(a, middle), right = sum(middle, b);
+        Eigen::ArrayX2d fine = left + right;
+        if (halvings == 0 || ((fine - coarse).abs() <= tolerance * whole).all()) return fine;
+        return refine(a, middle, left, whole, halvings - 1) + refine(middle, b, right, whole, halvings - 1);
+    }
+
+    const LinearDynamics& dynamics_;
+    const HarmonicInput& direction_;
+    const PowerSpectrum& spectrum_;
+};
+
+}  // namespace
+
+Eigen::VectorXcd listOutputs(const std::vector<ConnectionResponse>& response) {
+    Eigen::VectorXcd outputs(kOutputsPerConnection * static_cast<Eigen::Index>(response.size()));
+    Eigen::Index at = 0;
+    for (const ConnectionResponse& end : response) {
+        outputs.segment<kOutputsPerConnection>(at) << end.relative, end.force, end.mobile_acceleration,
+            end.fixed_acceleration;
+        at += kOutputsPerConnection;
+    }
+    return outputs;
+}
+
+RandomResponse calcRandomResponse(const LinearDynamics& dynamics, const HarmonicInput& direction,
+                                  const PowerSpectrum& spectrum, const std::vector<double>& frequency) {
+    RandomResponse response;
+    response.frequency = frequency;
+    for (std::size_t k = 0; k < frequency.size(); ++k) {
+        const Eigen::VectorXd square = listOutputs(dynamics.calcResponse(frequency[k], direction)).cwiseAbs2();
+        if (k == 0) response.density.resize(square.size(), frequency.size());
+        response.density.col(k) = spectrum.calcValue(frequency[k]) * square;
+    }
+    const Eigen::ArrayX2d squares = MeanSquares(dynamics, direction, spectrum).integrate();
+    response.rms = squares.col(0).sqrt();
+    response.rate = (squares.col(0) > 0).select((squares.col(1) / squares.col(0)).sqrt(), 0);
     return response;
 }
 

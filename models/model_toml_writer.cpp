@@ -5,7 +5,7 @@
 
 #include "models/atomic_file.hpp"
 #include "models/axis_numbers.hpp"
-#include "models/bracket_modes.hpp"
+#include "models/bracket.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/law_equality.hpp"

@@ -1,8 +1,29 @@
 #include "models/mount_forces.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 namespace wems {
+
+double calcLoadGain(const LoadCorrection& correction, double frequency) {
+    const auto& table = correction.gain_over_frequency;
+    if (table.empty()) return 1;
+    if (table.size() == 1 || frequency <= table.front().first) return table.front().second;
+    const auto above =
+        std::find_if(table.begin(), table.end(), [&](const auto& row) { return row.first >= frequency; });
+    if (above == table.end()) return table.back().second;
+    const auto below = std::prev(above);
+    const double fraction = (frequency - below->first) / (above->first - below->first);
+    return below->second + fraction * (above->second - below->second);
+}
+
+Eigen::Vector3d calcLoadGains(const LoadCorrection& correction, double frequency) {
+    return calcLoadGain(correction, frequency) * correction.axis_gain;
+}
+
+bool dependsOnFrequency(const LoadCorrection& correction) {
+    return correction.gain_over_frequency.size() > 1;
+}
 
 RelativeMotion calcRelativeMotion(const BodyMotion& mobile, const FrameMotion& fixed, const Eigen::Vector3d& position) {
     const Eigen::Vector3d arm = mobile.R_GM * position;                 // from Mo to the mobile end
@@ -112,6 +133,21 @@ double MountForces::calcDissipatedPower(const BodyMotion& mobile, const FrameMot
         }
     }
     return power;
+}
+
+Eigen::Vector3d applyLoad(const std::optional<LoadPoint>& point, const BodyMotion& mobile, const FrameMotion& fixed,
+                          const Eigen::Vector3d& load, Wrench& on_mobile, Wrench& on_fixed) {
+    if (!point) return load;
+    const bool to_mobile = point->part == Part::mobile;
+    Wrench& wrench = to_mobile ? on_mobile : on_fixed;
+    const Eigen::Vector3d arm = (to_mobile ? mobile.R_GM : fixed.R_GF) * point->position;
+    wrench.force += load;
+    wrench.moment += arm.cross(load);
+    return Eigen::Vector3d::Zero();
+}
+
+bool loadActs(const MountModel& model) {
+    return !model.bracket.empty() || (model.load_point && model.load_point->part == Part::mobile);
 }
 
 }  // namespace wems

@@ -12,11 +12,25 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "models/mount_model.hpp"
 
 namespace wems {
+
+// What the model says about the applied load: applied = gain(f) · axis_gain · recorded, f the swept frequency.
+
+/// The gain (-) that all axes have in common at a swept frequency (Hz): linear between the rows of the table, constant
+/// outside; a single row holds at every frequency, also where the frequency is not known (NaN). 1 if the table is
+/// empty.
+double calcLoadGain(const LoadCorrection& correction, double frequency);
+
+/// The gain of each axis (-) at a swept frequency (Hz).
+Eigen::Vector3d calcLoadGains(const LoadCorrection& correction, double frequency);
+
+/// True if the gain depends on frequency, so that a swept frequency must be known.
+bool dependsOnFrequency(const LoadCorrection& correction);
 
 /// Pose and velocities of M in G.
 struct BodyMotion {
@@ -77,5 +91,16 @@ struct StaticEquilibrium {
     Eigen::VectorXd states;  ///< internal states of MountForces, relaxed
 };
 StaticEquilibrium findStaticEquilibrium(const MountModel& model);
+
+// Where the recorded load acts.
+
+/// Adds the load (N, in G) to the wrench on the part that it acts on, if there is a load point of the model's own.
+/// @param[in,out] on_mobile at M's origin, @param[in,out] on_fixed at F's origin, in G
+/// @return the load that is left for the bracket's load point
+Eigen::Vector3d applyLoad(const std::optional<LoadPoint>& point, const BodyMotion& mobile, const FrameMotion& fixed,
+                          const Eigen::Vector3d& load, Wrench& on_mobile, Wrench& on_fixed);
+
+/// True if a recorded load moves something: it acts on the mobile part, or there is a bracket.
+bool loadActs(const MountModel& model);
 
 }  // namespace wems

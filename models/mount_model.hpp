@@ -18,6 +18,23 @@
 
 namespace wems {
 
+// Which matrices are the inertia of a body.
+
+/// Principal moments (kg m²), ascending.
+Eigen::Vector3d calcPrincipalMoments(const Eigen::Matrix3d& inertia);
+
+/// Moments of a body are positive, and none exceeds the sum of the other two: their differences from half the sum are
+/// ∫x² dm, ∫y² dm, ∫z² dm along the principal axes.
+/// @param principal ascending
+/// @returns what is broken, in words that say what a body's are; empty if nothing is
+std::string findInertiaProblem(const Eigen::Vector3d& principal);
+
+/// `wanted` if a body has it, otherwise the point on the straight way to it from `believed` where bodies end, less a
+/// hundredth of that way. Bodies' inertias form a convex cone, so that there is one such point, and a principal moment
+/// is at least a hundredth of the smallest believed one. What `wanted` does not change stays as it is.
+/// @param believed of a body @param wanted symmetric and finite
+Eigen::Matrix3d limitInertia(const Eigen::Matrix3d& believed, const Eigen::Matrix3d& wanted);
+
 class OutputFiles;
 
 /// x y z rx ry rz, as a model file names the motions of the mobile part.
@@ -106,5 +123,15 @@ void writeMountModel(const MountModel& model, const std::string& file, OutputFil
 
 /// The same as text; `bracket_file` is written as the modes' path.
 std::string formatMountModel(const MountModel& model, const std::string& bracket_file);
+
+// Identified values as a model may hold them.
+
+/// Brings what a fit put outside what a model allows back to its limit, since readMountModel() refuses what lies
+/// beyond. Values below zero where there are none (stiffness, damping, loss factor, dissipation of a stop, level of
+/// friction) become zero: as an estimate they say that the data do not show the thing, as a model they would feed the
+/// motion with energy. An inertia that no body has is limited as limitInertia() says.
+/// @param believed model that the fit began with, itself admissible
+/// @returns one sentence for each value that was changed
+std::vector<std::string> makeAdmissible(const MountModel& believed, MountModel& model);
 
 }  // namespace wems

@@ -1,3 +1,5 @@
+#include "models/static_equilibrium.hpp"
+
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <cmath>
@@ -8,6 +10,7 @@
 #include "models/mount_forces.hpp"
 
 namespace wems {
+
 namespace {
 
 /// Unknowns: position of Mo (m), a rotation about G axes (rad), modal coordinates. The rotation is kept as a matrix and
@@ -168,6 +171,41 @@ StaticEquilibrium findStaticEquilibrium(const MountModel& model) {
         }
     }
     return {pose.mobile, pose.eta, problem.calcRelaxedStates(pose)};
+}
+
+std::string nameStop(const MountModel& model, const StopMargin& margin) {
+    const Connection& connection = model.connections[margin.connection];
+    const Stop& stop = connection.axis[margin.axis].stops[margin.stop];
+    return connection.name + "." + "xyz"[margin.axis] + (stop.side == Side::positive ? ".+" : ".-");
+}
+
+StaticSag findStaticSag(const MountModel& model) {
+    const StaticEquilibrium rest = findStaticEquilibrium(model);
+    FrameMotion fixed;
+    if (!model.bracket.empty())
+        fixed = Bracket(model.bracket).calcMotion(rest.eta, Eigen::VectorXd::Zero(rest.eta.size()));
+    const Eigen::Vector3d& center = model.body.center_of_gravity;
+    StaticSag sag;
+    sag.displacement = rest.mobile.p_GM + rest.mobile.R_GM * center - center;
+    sag.rotation = vectorFromRotation(rest.mobile.R_GM);
+    const MountForces laws(model);
+    sag.relative.resize(3, laws.connectionCount());
+    sag.force.resize(3, laws.connectionCount());
+    for (int i = 0; i < laws.connectionCount(); ++i) {
+        const Connection& connection = model.connections[i];
+        sag.relative.col(i) = calcRelativeMotion(rest.mobile, fixed, connection.position).q;
+        for (int k = 0; k < 3; ++k) {
+            const double q = sag.relative(k, i);
+            sag.force(k, i) = laws.axis(i, k).calcStaticForce(q);
+            const AxisLaw& law = connection.axis[k];
+            for (std::size_t s = 0; s < law.stops.size(); ++s) {
+                const double direction = law.stops[s].side == Side::positive ? 1 : -1;
+                sag.stops.push_back(
+                    {i, k, s, law.stops[s].clearance, law.stops[s].clearance - direction * (q + law.offset)});
+            }
+        }
+    }
+    return sag;
 }
 
 }  // namespace wems

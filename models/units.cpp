@@ -4,6 +4,7 @@
 #include <array>
 
 namespace wems {
+
 namespace {
 
 // Exact by definition: inch (1959), standard gravity (CGPM 1901), avoirdupois pound times standard gravity.

@@ -9,6 +9,11 @@
 
 namespace wems {
 
+// C++17 has no std::numbers::pi.
+
+inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kTwoPi = 2 * kPi;
+
 /// Physical quantity of a column. `none` has no unit, written `-` or nothing.
 enum class Quantity { time, length, velocity, acceleration, force, none };
 

@@ -5,7 +5,7 @@
 #include "models/bryant.hpp"
 #include "models/error.hpp"
 #include "models/guided_motion.hpp"
-#include "models/load_point.hpp"
+#include "models/mount_forces.hpp"
 
 namespace wems::plugin {
 namespace {

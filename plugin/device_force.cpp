@@ -8,9 +8,8 @@
 
 #include "models/error.hpp"
 #include "models/guided_motion.hpp"
-#include "models/load_gain.hpp"
-#include "models/load_point.hpp"
-#include "plugin/element_state.hpp"
+#include "models/mount_forces.hpp"
+#include "plugin/mount_force.hpp"
 
 namespace wems::plugin {
 namespace {

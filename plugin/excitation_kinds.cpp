@@ -2,15 +2,81 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <set>
 #include <sstream>
 
 #include "models/error.hpp"
 #include "models/format_number.hpp"
-#include "models/shock_synthesis.hpp"
+#include "models/recording/recording_reader.hpp"
+#include "models/shock.hpp"
 #include "models/sweep_profile.hpp"
 #include "plugin/simulate_options.hpp"
 
 namespace wems::plugin {
+
+namespace {
+
+std::string accepted(Quantity quantity) {
+    return std::string("axes and values such as z=200 or x=100,y=100; units: ") + listUnits(quantity);
+}
+
+std::vector<std::string> split(const std::string& text) {
+    std::vector<std::string> parts;
+    std::stringstream stream(text);
+    for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
+    if (text.empty() || text.back() == ',') parts.emplace_back();
+    return parts;
+}
+
+int findAxis(const std::string& name) {
+    return name.size() == 1 && name[0] >= 'x' && name[0] <= 'z' ? name[0] - 'x' : -1;
+}
+
+}  // namespace
+
+double parseQuantity(const std::string& text, Quantity quantity, const std::string& option, bool* with_unit) {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    if (end == text.c_str() || !std::isfinite(value))
+        throw InputError({"", 0, option}, "`" + text + "` is not a number", accepted(quantity));
+    const std::string unit = end;
+    if (unit.empty()) return value;
+    if (with_unit != nullptr) *with_unit = true;
+    return value * findUnitFactor(unit, quantity, {"", 0, option});
+}
+
+Level parseLevel(const std::string& text, const std::string& option, Quantity quantity) {
+    Level level;
+    std::set<int> given;
+    for (const std::string& part : split(text)) {
+        const auto equals = part.find('=');
+        const int axis = findAxis(part.substr(0, equals));
+        if (axis < 0) throw InputError({"", 0, option}, "`" + part + "` is not understood", accepted(quantity));
+        if (!given.insert(axis).second)
+            throw InputError({"", 0, option}, "`" + part.substr(0, 1) + "` is given twice", accepted(quantity));
+        if (equals == std::string::npos) {
+            level.bare = true;
+            level.value[axis] = 1;
+        } else {
+            level.value[axis] = parseQuantity(part.substr(equals + 1), quantity, option, &level.with_unit);
+        }
+    }
+    if (level.value.isZero()) throw InputError({"", 0, option}, "excites nothing", accepted(quantity));
+    return level;
+}
+
+std::vector<Level> parseLevels(const std::string& text, const std::string& option, Quantity quantity) {
+    const std::vector<std::string> parts = split(text);
+    bool list = parts.size() > 1 && parts[0].find('=') != std::string::npos;
+    for (std::size_t i = 1; i < parts.size(); ++i) list = list && parts[i].find('=') == std::string::npos;
+    if (!list) return {parseLevel(text, option, quantity)};
+    std::vector<Level> levels;
+    const std::string axis = parts[0].substr(0, parts[0].find('=') + 1);
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        levels.push_back(parseLevel(i == 0 ? parts[i] : axis + parts[i], option, quantity));
+    return levels;
+}
+
 namespace {
 
 /// `5:50` as numbers, exactly `count` of them and all positive.
@@ -176,6 +242,78 @@ const std::vector<ExcitationKind>& excitationKinds() {
          "factor (z=0.5)",
          false, true, true, makeSpectrumRandom}};
     return kinds;
+}
+
+namespace {
+
+std::string formatVector(const Eigen::Vector3d& v) {
+    std::string text;
+    for (int i = 0; i < 3; ++i)
+        if (v[i] != 0) text += (text.empty() ? "" : ",") + std::string(1, "xyz"[i]) + "=" + formatNumber(v[i]);
+    return text;
+}
+
+/// k/rate for all k with k/rate ≤ duration.
+SampleTimes makeUniformTimes(double rate, double duration) {
+    const double count = std::floor(duration * rate * (1 + 1e-12)) + 1;
+    if (!(count < 5e8))
+        throw InputError({"", 0, "--sample-rate"}, "gives " + formatNumber(count, 3) + " samples", "fewer than 5e8");
+    return SampleTimes::makeUniform(rate, static_cast<std::size_t>(count));
+}
+
+/// Hz.
+double chooseSampleRate(double highest) {
+    constexpr double usual = 1000, fewest_per_period = 2.5, chosen_per_period = 5;
+    if (usual >= fewest_per_period * highest) return usual;
+    return std::ceil(chosen_per_period * highest / usual) * usual;
+}
+
+}  // namespace
+
+Excitation makeReplay(const Recording& recording, const SimulateOptions& options) {
+    Excitation excitation;
+    excitation.drive = makeReplayDrive(recording);
+    excitation.time_offset = recording.time.front();
+    excitation.description = "replay of " + options.replay_file;
+    excitation.level = excitation.drive->hasLoad() ? "recorded load" : "recorded base acceleration";
+    const double duration = std::min(excitation.drive->duration(), options.duration.value_or(INFINITY));
+    if (options.sample_rate) {
+        excitation.times = makeUniformTimes(*options.sample_rate, duration);
+    } else {
+        for (const double t : recording.time)
+            if (t - recording.time.front() <= duration) excitation.times.push_back(t - recording.time.front());
+    }
+    return excitation;
+}
+
+Excitation makeExcitation(const SimulateOptions& options) {
+    if (!options.replay_file.empty()) {
+        std::optional<ColumnMap> map;
+        if (!options.column_map.empty()) map = readColumnMap(options.column_map);
+        return makeReplay(readRecording(options.replay_file, map ? &*map : nullptr), options);
+    }
+    NamedSignal named = options.kind->make(options.signal, options);
+    Excitation excitation;
+    const bool travel = !options.base_displacement.isZero();
+    if (travel) {
+        if (!named.swept)
+            throw InputError({"", 0, "--base-displacement"}, std::string("does not go with ") + options.kind->option,
+                             "--sweep or --dwell");
+        named.signal = makeDisplacementDriven(named.signal);
+    }
+    const Eigen::Vector3d base = options.base_acceleration + options.base_displacement;  // one of them is zero
+    excitation.drive = makeSignalDrive(named.signal, options.force, base, named.swept);
+    excitation.description = named.description;
+    // Without a unit the level of a spectrum is a factor.
+    const bool factor = options.kind->takes_bare_level && !options.level_has_unit;
+    excitation.level = options.force.isZero()
+                           ? "base acceleration " + formatVector(options.base_acceleration) + (factor ? "" : " m/s^2")
+                           : "force " + formatVector(options.force) + (factor ? "" : " N");
+    if (travel) excitation.level = "base displacement " + formatVector(options.base_displacement) + " m";
+    const double duration = std::min(named.signal->duration(), options.duration.value_or(INFINITY));
+    excitation.times =
+        makeUniformTimes(options.sample_rate.value_or(chooseSampleRate(named.signal->highestFrequency())), duration);
+    return excitation;
 }
 
 }  // namespace wems::plugin

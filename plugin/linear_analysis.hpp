@@ -6,19 +6,21 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "models/atomic_file.hpp"
 #include "models/damped_modes.hpp"
 #include "models/device_drawing.hpp"
 #include "models/linear_response.hpp"
-#include "models/random_response.hpp"
-#include "models/static_sag.hpp"
-#include "models/terminal.hpp"
+#include "models/mount_model.hpp"
+#include "models/static_equilibrium.hpp"
+#include "models/text_table.hpp"
+#include "plugin/simulate_options.hpp"
 
 namespace wems::plugin {
 
-/// Responses of every output (random_response.hpp) to one unit of the input.
+/// Responses of every output (linear_response.hpp) to one unit of the input.
 struct TransferFunctions {
     std::string input, input_unit;  ///< `base acceleration z`, `m/s^2`
     std::vector<double> frequency;  ///< Hz
@@ -61,5 +63,24 @@ std::string formatAnalysisCsv(const LinearAnalysis& analysis);
 /// Modes in motion, transfer functions, densities. @throws InputError: cannot be written.
 void writeAnalysisReport(const LinearAnalysis& analysis, const std::vector<DrawnShape>& drawing,
                          const std::string& file, OutputFiles& outputs);
+
+// `simulate --modes`, `--frf`: what the linear model says, without a run.
+
+/// What the options ask of the linear model; reads a spectrum. @throws InputError
+LinearQuestion makeQuestion(const SimulateOptions& options);
+
+/// Reads model and spectrum, prints and writes what was asked for. @throws InputError
+void runLinearAnalysis(const SimulateOptions& options);
+
+/// `5:50` as two frequencies, ascending. @throws InputError naming `option`
+std::pair<double, double> parseBand(const std::string& text, const std::string& option);
+
+/// The files of a command without a run, checked against the model's before anything is computed.
+/// @throws InputError if one of them is read
+OutputFiles beginOutputs(const SimulateOptions& options, const MountModel& model);
+
+/// Writes JSON, or `text` to standard output unless --quiet or --json - took it; then all files appear, or none.
+void finishOutputs(const SimulateOptions& options, const nlohmann::json& result, const std::string& text,
+                   OutputFiles& outputs);
 
 }  // namespace wems::plugin

@@ -3,9 +3,9 @@
 #include <string>
 
 #include "models/error.hpp"
-#include "plugin/element_state.hpp"
 
 namespace wems::plugin {
+
 namespace {
 
 class MountForceImplementation : public SimTK::Force::Custom::Implementation {

@@ -16,7 +16,7 @@
 #include "models/recording/recording_writer.hpp"
 #include "models/sampled_motion.hpp"
 #include "models/text_table.hpp"
-#include "plugin/linear_command.hpp"
+#include "plugin/linear_analysis.hpp"
 
 namespace wems::plugin {
 namespace {

@@ -2,17 +2,74 @@
 /// Sampling a running simulation into the channels of a recording.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
 #include "plugin/device.hpp"
-#include "plugin/sample_times.hpp"
 
 namespace wems::plugin {
+
+// The times of a recording's rows.
+
+/// Increasing times, s: listed one by one, or k/rate, which takes no memory.
+class SampleTimes {
+public:
+    SampleTimes() = default;
+    SampleTimes(std::vector<double> times) : listed_(std::move(times)) {}  // NOLINT: a list is such times
+    static SampleTimes makeUniform(double rate, std::size_t count) {
+        SampleTimes times;
+        times.rate_ = rate;
+        times.count_ = count;
+        return times;
+    }
+
+    void push_back(double time) { listed_.push_back(time); }
+    std::size_t size() const { return listed_.size() + count_; }
+    bool empty() const { return size() == 0; }
+    double operator[](std::size_t k) const { return count_ > 0 ? static_cast<double>(k) / rate_ : listed_[k]; }
+    double back() const { return (*this)[size() - 1]; }
+
+private:
+    std::vector<double> listed_;
+    double rate_ = 1;
+    std::size_t count_ = 0;  // of uniform times; none are listed then
+};
+
+// Noise of the sensors on a simulated recording.
+
+/// RMS of independent Gaussian noise on each sample; zero = none.
+struct SensorNoise {
+    double displacement = 0;  ///< m
+    double velocity = 0;      ///< m/s
+    double acceleration = 0;  ///< m/s², of both ends of the connections
+    double load = 0;          ///< N
+    double base = 0;          ///< m/s², of the recorded base acceleration
+};
+
+/// RMS of the noise on a channel of this name.
+double getNoiseLevel(const SensorNoise& noise, const ChannelName& name);
+
+/// The noise of one channel, block after block. The sequence depends on the seed and the channel's name alone, so that
+/// a channel's noise is the same whatever else is recorded.
+class ChannelNoise {
+public:
+    ChannelNoise(const SensorNoise& noise, std::uint64_t seed, const ChannelName& name);
+    /// Adds it to the next values.
+    void add(std::vector<double>& values);
+
+private:
+    bool present_;
+    std::mt19937_64 generator_;
+    std::normal_distribution<double> normal_;
+};
 
 /// Which quantities of both ends of the connections become channels. Load and base motion do whenever they are there.
 struct ChannelSelection {

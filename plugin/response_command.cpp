@@ -8,7 +8,7 @@
 
 #include "models/format_number.hpp"
 #include "models/progress.hpp"
-#include "plugin/linear_command.hpp"
+#include "plugin/linear_analysis.hpp"
 #include "plugin/run_settings.hpp"
 
 namespace wems::plugin {

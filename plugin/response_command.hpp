@@ -9,7 +9,7 @@
 
 #include "models/atomic_file.hpp"
 #include "models/periodic/response_curve.hpp"
-#include "models/terminal.hpp"
+#include "models/text_table.hpp"
 #include "plugin/simulate_options.hpp"
 
 namespace wems::plugin {

@@ -2,11 +2,16 @@
 /// A long recording as a report draws it.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
 
+#include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
+#include "models/text_table.hpp"
+#include "plugin/device.hpp"
+#include "plugin/drive.hpp"
 
 namespace wems::plugin {
 
@@ -42,5 +47,59 @@ private:
     std::vector<Stretch> present_;                        // one for each channel
     std::vector<ThinnedChannel> channels_;
 };
+
+}  // namespace wems::plugin
+
+namespace wems {
+
+// How far and how hard each connection was worked in a run, for its report.
+
+class HtmlReport;
+
+}  // namespace wems
+
+namespace wems::plugin {
+
+/// Relative displacement and force of each axis of each connection, from the simulation itself, without the sensors'
+/// noise; in memory that does not grow with the run.
+class ConnectionOverview {
+public:
+    /// @param model must outlive the object @param samples of the whole run
+    ConnectionOverview(const MountModel& model, std::size_t samples);
+    void add(double time, const DeviceMotion& motion);
+
+    /// One sentence: the deepest contact, or the least clearance that was left, and the largest force.
+    std::string makeHeadline(const Drive& drive) const;
+    /// Extremes, forces and clearances left; axes that stood still are left out.
+    Table makeTable(const Drive& drive) const;
+    /// Over the swept frequency the largest value of each of some hundred stretches, over time the motion itself; what
+    /// stood still is left out. @param time_offset s, added to all times
+    void addPictures(HtmlReport& report, const Drive& drive, double time_offset) const;
+
+private:
+    struct AxisExtremes {
+        double lowest = 0, highest = 0, largest_force = 0;  // m, m, N (signed)
+        double lowest_time = 0, highest_time = 0;           // s
+        double largest() const { return std::max(-lowest, highest); }
+        double largestTime() const { return highest > -lowest ? highest_time : lowest_time; }
+    };
+    struct Margin {
+        std::string stop;
+        double left = 0;  // m; below zero: pressed by so much
+        double time = 0;  // s, of the motion farthest towards the stop
+    };
+    bool moves(std::size_t axis) const;
+    std::string nameAxis(std::size_t axis) const;
+    std::vector<Margin> listMargins(std::size_t axis) const;
+
+    const MountModel& model_;
+    RunOverview history_;
+    std::vector<double> row_;
+    std::vector<AxisExtremes> axes_;  // 3 for each connection
+    double farthest_ = 0, strongest_ = 0;
+};
+
+/// Whether the drive has one frequency that changes.
+bool isSwept(const Drive& drive);
 
 }  // namespace wems::plugin

@@ -9,11 +9,10 @@
 #include <sstream>
 #include <vector>
 
-#include "models/command_line/completion.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/recording/recording_reader.hpp"
-#include "plugin/level_option.hpp"
+#include "plugin/excitation_kinds.hpp"
 
 namespace wems::plugin {
 namespace {

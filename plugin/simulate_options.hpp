@@ -11,10 +11,7 @@
 
 #include "plugin/drive.hpp"
 #include "plugin/excitation_kinds.hpp"
-#include "plugin/level_option.hpp"
 #include "plugin/recorder.hpp"
-#include "plugin/sample_times.hpp"
-#include "plugin/sensor_noise.hpp"
 
 namespace wems::plugin {
 

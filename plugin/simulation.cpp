@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "models/error.hpp"
-#include "models/load_gain.hpp"
+#include "models/mount_forces.hpp"
 
 namespace wems::plugin {
 namespace {

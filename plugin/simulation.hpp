@@ -11,8 +11,6 @@
 #include "models/recording/recording.hpp"
 #include "plugin/drive.hpp"
 #include "plugin/recorder.hpp"
-#include "plugin/sample_times.hpp"
-#include "plugin/sensor_noise.hpp"
 
 namespace wems::plugin {
 

@@ -15,7 +15,7 @@ test_packages="xz-utils catch2 clang-14 clang-format-14 clang-tidy-14 libclang-r
   mypy python3-nbclient python3-ipykernel octave"
 
 # Many sources at once, which saves Eigen from being read and compiled anew for each; for work on single files leave it out.
-joined="-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=4"
+joined="-DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=2"
 
 # step NAME COMMAND …: one line when it passes; what failed and the end of its output when it fails.
 step() {

@@ -5,9 +5,9 @@
 #include <functional>
 #include <map>
 
-#include "models/axis_names.hpp"
+#include "models/format_number.hpp"
 #include "models/parameter_access.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify::updating {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "identify/problem/linearised_run.hpp"
-#include "identify/solve/hypothesis.hpp"
+#include "identify/solve/evidence.hpp"
 
 namespace wems::identify::updating {
 

@@ -9,14 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "identify/commands/campaign.hpp"
 #include "identify/commands/format.hpp"
 #include "identify/commands/long_recordings.hpp"
-#include "identify/commands/watcher.hpp"
+#include "identify/commands/recordings.hpp"
 #include "models/atomic_file.hpp"
 #include "models/progress.hpp"
 #include "models/result/result_record.hpp"
-#include "models/terminal.hpp"
+#include "models/text_table.hpp"
 
 namespace wems::identify::cli {
 

@@ -1,12 +1,89 @@
 // The commands on recordings.
 #include "identify/cli/program.hpp"
 
+#include <unistd.h>
+
+#include <algorithm>
+#include <iostream>
+
 #include "identify/cli/command.hpp"
-#include "models/command_line/completion.hpp"
+#include "models/command_line/standard_streams.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 
 namespace wems::identify::cli {
+
+void addResultOptions(CLI::App& command, CommonOptions& options) {
+    addOutputFile(command, "--json", options.json_file, "write the result as JSON to FILE (- for standard output)",
+                  true);
+    addOutputFile(command, "--report", options.report_file, "write a self-contained HTML page with pictures to FILE");
+    addQuietOption(command, options.quiet);
+}
+
+void addCommonOptions(CLI::App& command, CommonOptions& options) {
+    addResultOptions(command, options);
+    addInputFile(command, "--columns", options.column_map, "TOML that maps your column names to channel names");
+}
+
+void addQuietOption(CLI::App& command, bool& quiet) {
+    command.add_flag("-q,--quiet", quiet, "no progress and no text on standard output");
+}
+
+void addGeometryOption(CLI::App& command, CommonOptions& options) {
+    addInputFile(command, "--geometry", options.geometry,
+                 "TOML with [[marker]] and [[accelerometer]]: sensors that are not at the connections");
+}
+
+void addMemoryOption(CLI::App& command, MemoryOption& option) {
+    command
+        .add_option("--memory", option.megabytes,
+                    "MB that recordings may take; longer ones but MATLAB files before 7.3 are worked through in blocks "
+                    "(default 2000)")
+        ->check(isPositive());
+}
+
+TextStyle outputStyle() {
+    return styleOf(STDOUT_FILENO);
+}
+
+void writeJson(const nlohmann::json& result, const CommonOptions& options, OutputFiles& outputs) {
+    if (options.json_file.empty()) return;
+    // Names of files need not be UTF-8.
+    const std::string text = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    if (options.json_file == "-") {
+        std::cout << text;
+    } else {
+        outputs.add(options.json_file, text);
+    }
+}
+
+void addFailOption(CLI::App& command, std::vector<std::string>& verdicts, const std::vector<std::string>& accepted) {
+    command.add_option("--fail-on", verdicts, "exit status 1 with this verdict; several with commas between")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(CLI::IsMember(accepted));
+}
+
+void failOn(const std::vector<std::string>& verdicts, const std::string& verdict, int& exit_status) {
+    if (std::find(verdicts.begin(), verdicts.end(), verdict) == verdicts.end()) return;
+    std::cerr << "identify: the verdict is " << verdict << "\n";
+    exit_status = 1;
+}
+
+void TerminalWatcher::onInputs(const std::vector<std::string>& files) {
+    protectInputs(files, output_, options_, outputs_);
+}
+
+void protectInputs(const std::vector<std::string>& inputs, const std::string& output, const CommonOptions& options,
+                   OutputFiles& outputs) {
+    checkOutputs({output, options.json_file == "-" ? "" : options.json_file, options.report_file}, inputs);
+    outputs.protect(inputs);
+}
+
+void finishOutput(OutputFiles& outputs) {
+    flushStandardOutput();
+    outputs.commit();
+}
 
 int runIdentify(int argc, char** argv) {
     CLI::App app{"Identify mounts with elastomers and stops from recordings."};

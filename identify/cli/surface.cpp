@@ -1,4 +1,6 @@
 // identify surface: the restoring force surface of a single connection.
+#include "identify/component/surface.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -8,11 +10,8 @@
 
 #include "identify/cli/command.hpp"
 #include "identify/commands/component_fit.hpp"
-#include "identify/commands/found_law.hpp"
-#include "identify/commands/surface_report.hpp"
+#include "identify/commands/restoring_forces.hpp"
 #include "identify/component/friction_model.hpp"
-#include "identify/component/surface_grid.hpp"
-#include "identify/component/surface_kind.hpp"
 #include "identify/fit/law_verdict.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"

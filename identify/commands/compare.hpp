@@ -6,13 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "identify/commands/sources.hpp"
-#include "identify/commands/watcher.hpp"
+#include "identify/commands/recordings.hpp"
 #include "identify/forward/compare.hpp"
 #include "models/atomic_file.hpp"
-#include "models/terminal.hpp"
+#include "models/report/html_report.hpp"
+#include "models/text_table.hpp"
 
 namespace wems::identify::commands {
+
+// Two recordings over each other: in time, as envelope and orders over the swept frequency, and as spectra.
+
+/// The channels that move most and those that hold most of the error, measured and simulated.
+void addComparedMotions(HtmlReport& page, const Comparison& comparison);
 
 struct CompareRequest {
     RecordingSource measured, simulated;

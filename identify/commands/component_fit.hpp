@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "identify/commands/format.hpp"
+#include "identify/component/component_diagnosis.hpp"
 #include "identify/component/component_fit.hpp"
+#include "models/text_table.hpp"
 
 namespace wems::identify::commands {
 
@@ -20,5 +22,11 @@ Table tabulateParameters(const std::vector<ComponentParameter>& parameters);
 nlohmann::json toJson(const ComponentFit& fit);
 /// Table, what is not identifiable, residual, notes.
 std::string formatText(const ComponentFit& fit, TextStyle style);
+
+// What the search for a law with memory found (identify/component/component_diagnosis.hpp), as table and JSON.
+
+/// Parameters of the law that was chosen, every law that was tried, and the errors of the chosen one on other tests.
+nlohmann::json toJson(const LawSelection& selection, const std::vector<ComponentData>& others);
+std::string formatText(const LawSelection& selection, const std::vector<ComponentData>& others, TextStyle style);
 
 }  // namespace wems::identify::commands

@@ -6,12 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "identify/commands/campaign.hpp"
-#include "identify/commands/watcher.hpp"
+#include "identify/commands/recordings.hpp"
 #include "identify/component/component_data.hpp"
 #include "identify/diagnose/diagnosis.hpp"
 #include "models/atomic_file.hpp"
-#include "models/terminal.hpp"
+#include "models/text_table.hpp"
 
 namespace wems::identify::commands {
 
@@ -38,5 +37,12 @@ nlohmann::json toJson(const DiagnoseAnswer& answer);
 /// Without the notes.
 std::string formatText(const DiagnoseAnswer& answer, TextStyle style);
 void writeReport(const DiagnoseAnswer& answer, const std::string& file, OutputFiles& outputs);
+
+// The page that `identify diagnose --report` writes of component tests.
+
+/// Verdict, errors, causes, adjustments, and each test's force over displacement and over time: measured, by the
+/// model's law and by the extended one.
+/// @throws InputError if the file cannot be written
+void writeElementReport(const DiagnoseAnswer& answer, const std::string& file, OutputFiles& outputs);
 
 }  // namespace wems::identify::commands

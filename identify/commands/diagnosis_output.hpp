@@ -9,7 +9,7 @@
 #include "identify/diagnose/diagnosis.hpp"
 #include "models/atomic_file.hpp"
 #include "models/recording/recording.hpp"
-#include "models/terminal.hpp"
+#include "models/text_table.hpp"
 
 namespace wems::identify::commands {
 

@@ -4,8 +4,7 @@
 
 #include <string>
 
-#include "identify/commands/sources.hpp"
-#include "identify/commands/watcher.hpp"
+#include "identify/commands/recordings.hpp"
 
 namespace wems::identify::commands {
 

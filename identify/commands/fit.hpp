@@ -8,13 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "identify/commands/campaign.hpp"
 #include "identify/commands/fit_output.hpp"
 #include "identify/commands/long_recordings.hpp"
-#include "identify/commands/watcher.hpp"
+#include "identify/commands/recordings.hpp"
 #include "identify/component/component_fit.hpp"
 #include "models/atomic_file.hpp"
-#include "models/terminal.hpp"
+#include "models/text_table.hpp"
 
 namespace wems::identify::commands {
 
@@ -24,7 +23,7 @@ struct FitRequest {
     MemoryOption memory;
     std::string use = "all";     ///< channels of both parts: `all`, `displacements`, `accelerations`
     ComponentOptions component;  ///< of one element; with an axis or a mass, the recordings are taken as its test
-    /// Shape of an element's law: `model`, or `found`: what its tests show (component/law_selection.hpp).
+    /// Shape of an element's law: `model`, or `found`: what its tests show (component/component_diagnosis.hpp).
     std::string law = "model";
     bool timing = false;       ///< whether the steps' times are part of the answer
     bool wants_model = false;  ///< whether the notes say how the fitted model was kept within what a model may hold

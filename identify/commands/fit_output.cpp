@@ -1,9 +1,18 @@
 #include "identify/commands/fit_output.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "identify/commands/device_scene.hpp"
 #include "identify/commands/format.hpp"
+#include "identify/commands/restoring_forces.hpp"
+#include "identify/commands/run_pictures.hpp"
+#include "identify/diagnose/whitening.hpp"
 #include "identify/fit/law_verdict.hpp"
+#include "identify/motion/swept_frequency.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
+#include "models/report/html_report.hpp"
 
 namespace wems::identify::commands {
 
@@ -76,6 +85,116 @@ void addFittedModel(const MountModel& fitted, const std::string& file, OutputFil
                          "the fitted value makes no model that could be read again: it " + error.problem(),
                          error.accepted());
     }
+}
+
+namespace {
+
+constexpr std::size_t kMostDirections = 15;  // in the table, the weakest
+
+void addDirections(HtmlReport& page, const std::vector<ParameterDirection>& directions) {
+    if (directions.empty()) return;
+    page.addHeading("How well the equations determine the parameters");
+    page.addText(
+        "Singular values of the weighted equations, each parameter in units of its own size: by how many standard "
+        "deviations of what is left the equations change, all of them together, when the parameters change by their "
+        "whole size along a direction. A direction is known if its standard error, errors of gains and positions "
+        "included, is below 10 % (dashpots 20 %).");
+    Plot plot{"Singular values", "number [-]", "standard deviations [-]", {}, true, true};
+    for (const bool known : {true, false}) {
+        Series series{known ? "known" : "not known", {}, {}, true, known ? 0 : 1};
+        for (std::size_t d = 0; d < directions.size(); ++d) {
+            if (directions[d].known != known) continue;
+            series.x.push_back(static_cast<double>(d + 1));
+            series.y.push_back(directions[d].singular_value);
+        }
+        if (!series.x.empty()) plot.series.push_back(std::move(series));
+    }
+    page.addPlot(plot);
+    const std::size_t first = directions.size() - std::min(directions.size(), kMostDirections);
+    if (first > 0)
+        page.addText("The " + std::to_string(directions.size() - first) + " smallest of " +
+                     std::to_string(directions.size()) + ":");
+    std::vector<std::vector<std::string>> rows;
+    for (std::size_t d = first; d < directions.size(); ++d)
+        rows.push_back({std::to_string(d + 1), formatNumber(directions[d].singular_value, 3),
+                        formatPercent(directions[d].relative_error), directions[d].known ? "known" : "not known",
+                        directions[d].text});
+    page.addTable({"number", "singular value", "standard error", "", "direction, parameters in units of their size"},
+                  rows);
+}
+
+/// The mobile part's acceleration as channels, which tell the excited band of a run that is not kept whole.
+Recording recordAcceleration(const RunMotion& run) {
+    Recording recording;
+    recording.file = run.file;
+    recording.time = run.time;
+    for (int a = 0; a < 3; ++a) {
+        Channel channel;
+        channel.name = std::string("base.a") + "xyz"[a];
+        channel.values.assign(run.mobile.a.cols(), 0.0);
+        for (std::size_t k = 0; k < channel.values.size(); ++k) channel.values[k] = run.mobile.a(a, k);
+        recording.channels.push_back(std::move(channel));
+    }
+    return recording;
+}
+
+/// The first runs, their slow motion as the fitted model has it.
+void addCurves(HtmlReport& page, const ReportedFit& reported) {
+    std::vector<RunMotion> motions;
+    std::vector<MovedRun> moved;
+    motions.reserve(kMostDrawn);
+    for (std::size_t r = 0; r < std::min(kMostDrawn, reported.runs.size()); ++r) {
+        motions.push_back(reported.runs[r]);
+        restoreSlowMotion(motions.back(), reported.fit.model);
+        moved.push_back(
+            {&motions.back(), findSweptFrequency(reported.recordings.empty() ? recordAcceleration(reported.runs[r])
+                                                                             : reported.recordings[r])});
+    }
+    addRestoringForces(page, moved, reported.start, reported.fit.model, "as fitted", std::nullopt);
+}
+
+void addDisplacementPlots(HtmlReport& page, const std::vector<RunMotion>& runs) {
+    for (std::size_t r = 0; r < std::min(kMostDrawn, runs.size()); ++r) {
+        const RunMotion& run = runs[r];
+        page.addHeading("Motion of the mobile part: " + run.file);
+        Plot translation{"Translation of the mobile frame's origin", "time [s]", "displacement [mm]", {}, false};
+        Plot rotation{"Rotation of the mobile part", "time [s]", "rotation [mrad]", {}, false};
+        for (int axis = 0; axis < 3; ++axis) {
+            const std::string name(1, "xyz"[axis]);
+            const Eigen::VectorXd p = 1e3 * run.mobile.p.row(axis).transpose(),
+                                  angle = 1e3 * run.mobile.theta.row(axis).transpose();
+            translation.series.push_back({name, run.time, {p.begin(), p.end()}});
+            rotation.series.push_back({name, run.time, {angle.begin(), angle.end()}});
+        }
+        page.addPlot(translation);
+        page.addPlot(rotation);
+    }
+}
+
+}  // namespace
+
+void writeFitReport(const ReportedFit& reported, const std::string& file, OutputFiles& outputs) {
+    const FitResult& fit = reported.fit;
+    HtmlReport page("Identified mount: " + fit.model.name);
+    page.addLead(describeResidual(fit));
+    const Table parameters = makeParameterTable(fit), open = makeOpenTable(fit);
+    page.addTable(parameters.header(), parameters.rows());
+    if (!open.rows().empty()) {
+        page.addHeading("What these data cannot tell");
+        page.addTable(open.header(), open.rows());
+    }
+    addDirections(page, fit.directions);
+    if (reported.runs.size() > kMostDrawn)
+        page.addText("Of " + std::to_string(reported.runs.size()) + " runs the first " + std::to_string(kMostDrawn) +
+                     " are drawn below.");
+    addCurves(page, reported);
+    for (std::size_t r = 0; r < std::min(kMostDrawn, reported.runs.size()); ++r)
+        addRemainder(page, fit.remainders[r], reported.runs[r].file);
+    if (!reported.recordings.empty()) addMotion(page, makeDeviceScene(reported.runs, reported.recordings, fit.model));
+    addDisplacementPlots(page, reported.runs);
+    if (!reported.notes.empty()) page.addHeading("How the motion was obtained");
+    page.addList(reported.notes);
+    page.write(file, outputs);
 }
 
 }  // namespace wems::identify::commands

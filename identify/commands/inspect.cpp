@@ -5,10 +5,9 @@
 #include <cmath>
 #include <optional>
 
-#include "identify/commands/inspect_report.hpp"
-#include "identify/commands/quality_output.hpp"
+#include "identify/commands/inspect_output.hpp"
 #include "identify/commands/recordings.hpp"
-#include "identify/inspect/derivative_check.hpp"
+#include "identify/inspect/quality.hpp"
 #include "models/recording/recording_stream.hpp"
 
 namespace wems::identify::commands {

@@ -5,7 +5,7 @@
 
 #include "identify/commands/recordings.hpp"
 #include "identify/component/component_data.hpp"
-#include "identify/inspect/block_notes.hpp"
+#include "identify/inspect/inspection.hpp"
 #include "models/error.hpp"
 #include "models/recording/connection_checks.hpp"
 #include "models/recording/recording_reader.hpp"

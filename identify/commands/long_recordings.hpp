@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "identify/commands/format.hpp"
-#include "identify/commands/sources.hpp"
-#include "identify/commands/watcher.hpp"
+#include "identify/commands/recordings.hpp"
 #include "identify/fit/block_choice.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording.hpp"

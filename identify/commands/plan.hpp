@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "identify/commands/campaign.hpp"
+#include "identify/commands/format.hpp"
 #include "identify/commands/long_recordings.hpp"
-#include "identify/commands/watcher.hpp"
+#include "identify/commands/recordings.hpp"
 #include "identify/plan/plan.hpp"
 #include "models/atomic_file.hpp"
-#include "models/terminal.hpp"
+#include "models/text_table.hpp"
 
 namespace wems::identify::commands {
 
@@ -35,5 +35,13 @@ PlanAnswer runPlan(PlanRequest request, Watcher& watcher);
 nlohmann::json toJson(const PlanAnswer& answer);
 std::string formatText(const PlanAnswer& answer, TextStyle style);
 void writeReport(const PlanAnswer& answer, const std::string& file, OutputFiles& outputs);
+
+// A plan as table, data and page.
+
+/// @param model_file that the command lines of the proposals name
+std::string formatPlan(const Plan& plan, const std::string& model_file, TextStyle style);
+nlohmann::json makePlanJson(const Plan& plan, const std::string& model_file);
+/// @throws InputError if the file cannot be written
+void writePlanReport(const Plan& plan, const std::string& model_file, const std::string& file, OutputFiles& outputs);
 
 }  // namespace wems::identify::commands

@@ -1,15 +1,56 @@
 #include "identify/commands/recordings.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
-#include "identify/inspect/derivative_check.hpp"
+#include "identify/forward/compare.hpp"
+#include "identify/forward/step_size.hpp"
+#include "identify/inspect/quality.hpp"
+#include "identify/motion/motion.hpp"
+#include "identify/motion/swept_frequency.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/linear_modes.hpp"
 #include "models/recording/connection_checks.hpp"
+#include "models/recording/recording_reader.hpp"
 
 namespace wems::identify::commands {
+
+Recording readSource(const RecordingSource& source, const ColumnMap* map) {
+    if (!source.loaded) return readRecording(source.file, map);
+    Recording recording = *source.loaded;
+    recording.file = source.file;
+    return recording;
+}
+
+MountModel readSource(const ModelSource& source) {
+    return source.loaded ? *source.loaded : readMountModel(source.file);
+}
+
+void addInput(ResultRecord& record, const std::string& role, const RecordingSource& source) {
+    record.addInput(role, source.file, source.loaded != nullptr);
+}
+
+void addInput(ResultRecord& record, const std::string& role, const ModelSource& source) {
+    record.addInput(role, source.file, source.loaded != nullptr);
+}
+
+std::vector<std::string> listFiles(const ResultRecord& record) {
+    std::vector<std::string> files;
+    for (const InputRecord& input : record.inputs)
+        if (!input.in_memory) files.push_back(input.file);
+    return files;
+}
+
+ResultRecord beginRecord(const std::string& command) {
+    ResultRecord record;
+    record.program = "wems identify " WEMS_VERSION;
+    record.command = command;
+    return record;
+}
+
 namespace {
 
 constexpr std::size_t least_samples = 8;  // that a motion is estimated from
@@ -140,6 +181,48 @@ std::vector<Recording> readDeviceRecordings(const std::vector<RecordingSource>& 
         checkWhole(recordings.back(), model);
     }
     return recordings;
+}
+
+std::optional<TestCampaign> resolveRuns(RunSelection& selection) {
+    std::optional<TestCampaign> campaign;
+    if (!selection.test.empty()) {
+        if (!selection.recordings.empty() || !selection.validation.empty())
+            throw InputError({"", 0, "--test"}, "and recordings on the command line are both given", "one of them");
+        campaign = readTestCampaign(selection.test);
+        for (const std::string& file : campaign->listFiles(false)) selection.recordings.emplace_back(file);
+        for (const std::string& file : campaign->listFiles(true)) selection.validation.emplace_back(file);
+        if (selection.model.empty()) selection.model = ModelSource(campaign->model);
+        if (selection.columns.empty()) selection.columns = campaign->columns;
+        if (selection.geometry.empty()) selection.geometry = campaign->geometry;
+    }
+    if (selection.recordings.empty())
+        throw InputError({"", 0, "recordings"}, "none is given", "files, or --test campaign.toml");
+    if (selection.model.empty()) throw InputError({"", 0, "--model"}, "is required", "a mount model (TOML)");
+    return campaign;
+}
+
+void addInputs(ResultRecord& record, const RunSelection& selection, const MountModel& model) {
+    addInput(record, "model", selection.model);
+    record.addInput("bracket modes", model.bracket_path);
+    record.addInput("test", selection.test);
+    record.addInput("columns", selection.columns);
+    record.addInput("geometry", selection.geometry);
+    for (const RecordingSource& source : selection.recordings) addInput(record, "recording", source);
+    for (const RecordingSource& source : selection.validation) addInput(record, "validation", source);
+}
+
+std::vector<ValidationError> validateModel(const MountModel& model, const std::vector<Recording>& recordings) {
+    std::vector<ValidationError> errors;
+    for (const Recording& recording : recordings) {
+        const RunMotion run = estimateMotion(recording, model);
+        try {
+            const PreparedRun prepared = prepareRun(run, model, findSweptFrequency(recording).lowest);
+            errors.push_back({recording.file, calcSimulationError(model, prepared).value(), {}});
+        } catch (const SimulationDiverged& why) {
+            errors.push_back({recording.file, std::numeric_limits<double>::infinity(), why.what()});
+        }
+    }
+    return errors;
 }
 
 }  // namespace wems::identify::commands

@@ -2,18 +2,74 @@
 /// Reading recordings for a command: the column map, and the checks that need the model.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "identify/commands/sources.hpp"
-#include "identify/commands/watcher.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording.hpp"
+#include "models/result/result_record.hpp"
+#include "models/test_campaign.hpp"
 
 namespace wems::identify::commands {
+
+// Who follows a command at work: a terminal, a notebook.
+
+/// Told by the thread that called the command. What it throws ends the command.
+class Watcher {
+public:
+    Watcher() = default;
+    virtual ~Watcher() = default;
+    Watcher(const Watcher&) = delete;
+    Watcher& operator=(const Watcher&) = delete;
+
+    /// All files that the command reads, before anything is computed.
+    virtual void onInputs(const std::vector<std::string>& /*files*/) {}
+    /// A step begins. @param from, to parts of the whole time between which it usually lies; 0 and 1: not known
+    virtual void onStep(const std::string& /*what*/, double /*from*/ = 0, double /*to*/ = 1) {}
+    /// A step that can tell how far it is. @param done 0 to 1
+    virtual void onProgress(double /*done*/, const std::string& /*what*/) {}
+};
+
+// What a command works on: files, or what is in memory already.
+
+struct RecordingSource {
+    RecordingSource() = default;
+    RecordingSource(std::string name) : file(std::move(name)) {}  // NOLINT(google-explicit-constructor): a file is one
+    RecordingSource(std::string name, std::shared_ptr<const Recording> recording)
+        : file(std::move(name)), loaded(std::move(recording)) {}
+
+    std::string file;  ///< of a recording in memory: what messages call it
+    std::shared_ptr<const Recording> loaded;
+};
+
+struct ModelSource {
+    ModelSource() = default;
+    ModelSource(std::string name) : file(std::move(name)) {}  // NOLINT(google-explicit-constructor): a file is one
+    ModelSource(std::string name, std::shared_ptr<const MountModel> model)
+        : file(std::move(name)), loaded(std::move(model)) {}
+
+    std::string file;
+    std::shared_ptr<const MountModel> loaded;
+    bool empty() const { return file.empty() && !loaded; }
+};
+
+/// A copy of what is in memory, or the file read with the map. @throws InputError
+Recording readSource(const RecordingSource& source, const ColumnMap* map);
+MountModel readSource(const ModelSource& source);
+
+/// Names of the files among them.
+void addInput(ResultRecord& record, const std::string& role, const RecordingSource& source);
+void addInput(ResultRecord& record, const std::string& role, const ModelSource& source);
+
+/// The files of a record, for Watcher::onInputs().
+std::vector<std::string> listFiles(const ResultRecord& record);
+
+/// `wems identify 0.1.0`, the command, no inputs yet.
+ResultRecord beginRecord(const std::string& command);
 
 /// The column map of `--columns`; nothing if `file` is empty.
 std::optional<ColumnMap> readOptionalMap(const std::string& file);
@@ -64,5 +120,31 @@ void keepOnly(const std::string& use, Recording& recording);
 /// @throws InputError as readRecording()
 std::vector<Recording> readDeviceRecordings(const std::vector<RecordingSource>& sources, const std::string& column_map,
                                             const MountModel& model);
+
+// Commands on a test of several runs (`--test campaign.toml`).
+
+/// What a command needs to know of its runs, from the caller or from a test file.
+struct RunSelection {
+    std::vector<RecordingSource> recordings, validation;
+    ModelSource model;
+    std::string test;      ///< file that lists the runs; empty without
+    std::string columns;   ///< column map; empty without
+    std::string geometry;  ///< sensors that are not at the connections; empty without
+};
+
+/// Fills in what the test file says; what the caller says goes before it.
+/// @throws InputError: recordings both ways or neither, no model
+std::optional<TestCampaign> resolveRuns(RunSelection& selection);
+
+/// All files that the runs, the model and the options name.
+void addInputs(ResultRecord& record, const RunSelection& selection, const MountModel& model);
+
+/// Error of a model on one validation run: of its free simulation, relative to the measured relative displacement.
+struct ValidationError {
+    std::string file;
+    double error = 0;     ///< infinite without a simulation …
+    std::string problem;  ///< … and why there is none
+};
+std::vector<ValidationError> validateModel(const MountModel& model, const std::vector<Recording>& recordings);
 
 }  // namespace wems::identify::commands

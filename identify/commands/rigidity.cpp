@@ -6,7 +6,7 @@
 
 #include "identify/commands/device_scene.hpp"
 #include "identify/commands/format.hpp"
-#include "identify/commands/quality_output.hpp"
+#include "identify/commands/inspect_output.hpp"
 #include "identify/commands/recordings.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"

@@ -5,12 +5,11 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "identify/commands/sources.hpp"
-#include "identify/commands/watcher.hpp"
+#include "identify/commands/recordings.hpp"
 #include "identify/inspect/quality.hpp"
 #include "identify/motion/rigidity.hpp"
 #include "models/atomic_file.hpp"
-#include "models/terminal.hpp"
+#include "models/text_table.hpp"
 
 namespace wems::identify::commands {
 

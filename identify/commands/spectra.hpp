@@ -6,13 +6,34 @@
 #include <string>
 #include <vector>
 
-#include "identify/commands/sources.hpp"
-#include "identify/commands/watcher.hpp"
+#include "identify/commands/format.hpp"
+#include "identify/commands/recordings.hpp"
 #include "identify/spectra/run_spectra.hpp"
 #include "models/atomic_file.hpp"
-#include "models/terminal.hpp"
+#include "models/text_table.hpp"
 
 namespace wems::identify::commands {
+
+// What `identify spectra` found, as tables, JSON and pages.
+
+/// RMS and peak of every channel that is not constant.
+Table tabulateLevels(const RunSpectra& run);
+/// Resonances: `transmissibility mobile.4.az/fixed.4.az`, amplification, frequency, damping, coherence.
+Table tabulatePeaks(const std::vector<ChannelTransfer>& transfers);
+/// Stroke, force, clearance left of every connection that moves.
+Table tabulateMargins(const Margins& margins);
+
+std::string formatSpectra(const std::vector<RunSpectra>& runs, TextStyle style);
+nlohmann::json makeSpectraJson(const std::vector<RunSpectra>& runs);
+/// All runs overlaid. @throws InputError: cannot be written
+void writeSpectraReport(const std::vector<RunSpectra>& runs, const std::string& file, OutputFiles& outputs);
+
+/// Unit in which a quantity is shown, and its factor from SI: g for accelerations, mm for displacements.
+struct SpectrumUnit {
+    const char* name;
+    double factor;
+};
+SpectrumUnit findSpectrumUnit(Quantity quantity);
 
 struct SpectraRequest {
     std::vector<RecordingSource> recordings;

@@ -5,10 +5,11 @@
 #include <utility>
 
 #include "identify/component/block_regression.hpp"
-#include "identify/component/reversals.hpp"
+#include "identify/component/component_data.hpp"
 #include "models/error.hpp"
 
 namespace wems::identify {
+
 namespace {
 
 /// All recordings stacked, each of its own length.

@@ -14,10 +14,19 @@
 #include <vector>
 
 #include "identify/component/component_data.hpp"
-#include "identify/component/component_parameter.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {
+
+// A named estimate with its interval, as tables and result files print it.
+
+/// SI units. `lower` and `upper` bound the 95 % interval; infinite where the data say nothing.
+struct ComponentParameter {
+    std::string name;  ///< `1.z.stiffness`
+    double value = 0;
+    std::string unit;
+    double lower = 0, upper = 0;
+};
 
 /// Parameters that only a combination of is known, or none.
 struct UnknownParameter {

@@ -1,6 +1,6 @@
 /// @file
 /// The law of one element against the force that its tests measured: every number of the law with its tolerance, every
-/// mechanism that it may lack (element_hypotheses.hpp).
+/// mechanism that it may lack (below).
 ///
 /// The residual is the measured force minus that of the law along the measured motion, less its mean in each test (the
 /// zero of the load cell, a weight); identify/residual/residual_problem.hpp says what is made of it.
@@ -11,10 +11,27 @@
 #include <vector>
 
 #include "identify/component/component_data.hpp"
+#include "identify/problem/unknown.hpp"
 #include "identify/residual/residual_problem.hpp"
+#include "identify/solve/evidence.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {
+
+// What the law of an element on a test machine may have wrong or lack, as hypotheses (contract, section 5).
+
+/// What the tests did.
+struct ElementReach {
+    std::string place;                  ///< `1.z`
+    double lowest = 0, highest = 0;     ///< Hz, of the strokes
+    double positive = 0, negative = 0;  ///< m, largest displacement towards either side
+    double displacement = 0;            ///< m, the larger of both
+};
+
+/// @param table rows of the law, and the delay of the force's channel
+/// @param believed with a stop on either side, of no stiffness where the model has none
+std::vector<Hypothesis> listElementHypotheses(const UnknownTable& table, const AxisLaw& believed,
+                                              const ElementReach& reach);
 
 class ElementProblem : public ResidualProblem {
 public:

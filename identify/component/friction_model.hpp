@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "identify/component/component_data.hpp"
-#include "identify/component/component_parameter.hpp"
+#include "identify/component/component_fit.hpp"
 
 namespace wems::identify {
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "identify/component/block_regression.hpp"
-#include "identify/component/non_negative.hpp"
 #include "models/sampled_motion.hpp"
 
 namespace wems::identify {

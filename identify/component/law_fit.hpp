@@ -4,16 +4,16 @@
 ///
 /// What a unit of each part does along the recorded motion is a column, calculated by the law itself, so that a model
 /// with the fitted law gives exactly this force along the same motion. All weights but those of the cubic term and of a
-/// constant force are non-negative (non_negative.hpp): sliders over a grid of stretches are a distribution (Iwan 1966),
-/// branches over a grid of time constants a relaxation spectrum. One slider with a gap and one hysteresis have shapes
-/// that are searched instead.
+/// constant force are non-negative (block_regression.hpp): sliders over a grid of stretches are a distribution (Iwan
+/// 1966), branches over a grid of time constants a relaxation spectrum. One slider with a gap and one hysteresis have
+/// shapes that are searched instead.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "identify/component/component_data.hpp"
-#include "identify/component/component_parameter.hpp"
+#include "identify/component/component_fit.hpp"
 #include "models/axis_law.hpp"
 
 namespace wems::identify {

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/diagnose/fault_limits.hpp"
-#include "identify/problem/smoothing_kernel.hpp"
-#include "models/axis_names.hpp"
+#include "identify/diagnose/channel_faults.hpp"
+#include "identify/problem/fourier.hpp"
 #include "models/bryant.hpp"
+#include "models/format_number.hpp"
 
 namespace wems::identify {
 namespace {

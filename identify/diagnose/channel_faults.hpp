@@ -8,13 +8,38 @@
 /// the ordinary calibration scatter of all channels marginalised; the best is corrected exactly and the search goes on.
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
+
+// From where on a channel is called faulty: the same for markers and for accelerometers.
+
+inline constexpr double kLeastFaultGain = 60.0;  // decrease of the misfit in units of its noise
+inline constexpr double kScatters = 6.0;         // a gain fault is beyond this many scatters of calibration
+inline constexpr double kLeastDelay = 2e-5;      // s
+inline constexpr double kLeastRotation = 4e-3;   // rad
+// rad, standard deviation of a triax' rotation before it is measured. Where the part moves along one axis alone,
+// nothing tells how far a triax is turned about it: it then stays where it was.
+inline constexpr double kTurned = 1.0;
+
+/// By more than calibration leaves, and by less than half a turn: beyond it every direction has a nearer name.
+inline bool isTurned(const Eigen::VectorXd& rotation) {
+    return rotation.norm() > kLeastRotation && rotation.norm() < kPi;
+}
+
+// Undoing what a faulty sensor made of the truth: measured(t) = gain · R(rotation) · true(t − delay).
+
+/// The recording as it would be without the faults. A fault names a channel (`mobile.1.az`), a triax (`mobile.1`, which
+/// takes its displacements, or `mobile.1.a`, its accelerations) or a side (`mobile`, `fixed`): its displacements, or
+/// its accelerations where no displacements were recorded. Delays by cubic interpolation; samples beyond the ends are
+/// held.
+Recording correctChannels(const Recording& recording, const std::vector<SensorFault>& faults);
 
 /// A fault with the standard errors of its numbers.
 struct ChannelFault {

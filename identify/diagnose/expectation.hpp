@@ -7,12 +7,42 @@
 /// which contact may amplify a thousand times, another time more or less; the misfit is not amplified.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
+#include "identify/diagnose/catalogue.hpp"
 #include "identify/motion/motion.hpp"
 #include "models/mount_model.hpp"
+#include "models/recording/recording.hpp"
 
 namespace wems::identify {
+
+// The recording that a model would have given: the drive of a measured run, noise and calibration of its size.
+
+struct SimulatedNoise {
+    double sign = 1;          ///< of the noise that the run shows, ±1: the same draw with both signs; 0 for none
+    double gain_scatter = 0;  ///< standard deviation of each channel's gain, the load's included
+};
+
+/// What `model` would have given at all its connections, of the kinds that were recorded, at the times of `run`.
+/// Motions of `run` are its own, so that faults of channels, which were corrected, do not return.
+/// @throws SimulationDiverged
+Recording simulateRecording(const RunMotion& run, const MountModel& model, const SimulatedNoise& noise);
+
+// The bias of a fit, by doing the same to simulated recordings.
+//
+// The equations are evaluated along the measured motion, so that noise, sampling and smoothing enter their regressors
+// too: products of noisy quantities, as in a stop's dissipation k δ χ δ', do not average out, and a least-squares
+// fit is biased. The bias is measured: the fitted model is simulated with the recorded drive and sampled like the
+// recording, noise of the recording's size is added, and the same steps fit it again. What comes out minus what was
+// put in is the bias (parametric bootstrap; Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapter 10).
+// Two simulated recordings with opposite noise leave nothing of first order in it.
+
+/// Bias of the values of the knobs, in their order; zeros if a simulation diverges.
+/// @param base  the model that motions are recovered with
+/// @param model the fitted one
+Eigen::VectorXd calcFitBias(const std::vector<RunMotion>& runs, const MountModel& base, const MountModel& model,
+                            const std::vector<Knob>& knobs);
 
 struct Expectation {
     double error = 0;   ///< of the free simulation, as calcFreeError

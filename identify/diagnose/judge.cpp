@@ -7,11 +7,10 @@
 #include <string>
 #include <utility>
 
-#include "identify/diagnose/cause_report.hpp"
+#include "identify/diagnose/diagnosis.hpp"
 #include "identify/diagnose/expectation.hpp"
-#include "identify/diagnose/fit_bias.hpp"
-#include "identify/diagnose/free_error.hpp"
 #include "identify/diagnose/leftover.hpp"
+#include "identify/diagnose/pass.hpp"
 
 namespace wems::identify {
 namespace {

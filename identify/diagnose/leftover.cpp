@@ -5,7 +5,7 @@
 #include <complex>
 
 #include "identify/problem/mount_equation.hpp"
-#include "models/axis_names.hpp"
+#include "models/format_number.hpp"
 
 namespace wems::identify {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "identify/diagnose/catalogue.hpp"
 #include "identify/diagnose/open_loop_problem.hpp"
-#include "identify/diagnose/parameter_fit.hpp"
 #include "identify/diagnose/trial_fits.hpp"
 
 namespace wems::identify {

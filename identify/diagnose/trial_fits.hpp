@@ -2,16 +2,31 @@
 /// The candidates that promise most, each fitted together with what was accepted before.
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "identify/diagnose/catalogue.hpp"
-#include "identify/diagnose/law_differences.hpp"
 #include "identify/diagnose/open_loop_problem.hpp"
-#include "identify/diagnose/parameter_fit.hpp"
+#include "identify/diagnose/screening.hpp"
 
 namespace wems::identify {
+
+// Gauss–Newton (Levenberg–Marquardt) fit of knobs to the whitened open-loop residual.
+
+struct ParameterFit {
+    MountModel model;            ///< with the fitted values
+    std::vector<double> values;  ///< of the knobs
+    Eigen::MatrixXd covariance;  ///< of the values, from unit noise, calibration scatter included
+    double misfit = 0;           ///< for each value: about 1 for a perfect model
+    WhiteVector residual;
+    int iterations = 0;
+};
+
+/// Fits from the values that `start` has. Values stay in their physical range.
+ParameterFit fitParameters(const OpenLoopProblem& problem, const MountModel& start, const std::vector<Knob>& knobs,
+                           int max_iterations = 12);
 
 /// A candidate fitted jointly with all that had been accepted. Misfits are per value: 1 for a perfect model.
 struct Trial {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/fit/run_equations.hpp"
 #include "identify/fit/solver.hpp"
+#include "identify/fit/stored_equations.hpp"
 
 namespace wems::identify {
 namespace {

@@ -1,19 +1,20 @@
 #include "identify/fit/fit.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <optional>
 
-#include "identify/fit/fit_result.hpp"
-#include "identify/fit/run_equations.hpp"
 #include "identify/fit/slow_offset.hpp"
-#include "identify/fit/stopwatch.hpp"
+#include "identify/fit/stored_equations.hpp"
 #include "identify/motion/parallel.hpp"
 #include "models/error.hpp"
 
 namespace wems::identify {
+
 namespace {
 
 std::vector<RunEquations> makeAllEquations(const std::vector<RunMotion>& runs, const MountModel& model,
@@ -145,6 +146,172 @@ FitResult solveEquations(const std::vector<RunMotion>& runs, std::vector<RunEqua
     fillResult(solver, solver.linearise(), uncertainty, options, result);
     watch.lap("what is not known");
     return result;
+}
+
+namespace {
+
+std::string format(double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.4g", value);
+    return text.data();
+}
+
+/// Interval around a value whose terms have the given sum of magnitudes. The sampled equations themselves are no
+/// better than this part of it (equation_of_motion.hpp), however little noise there is.
+std::array<double, 2> around(double value, double half_width, double magnitude) {
+    constexpr double discretisation = 2e-4;
+    const double width = std::max(half_width, discretisation * magnitude);
+    return {value - width, value + width};
+}
+
+/// Statistical covariance plus what an error of the regressors may do to directions that are barely separated. What is
+/// not known at all is still known to be within a few times its scale.
+Eigen::MatrixXd addGeometryError(const LinearSystem& system, const Eigen::MatrixXd& covariance, double error) {
+    constexpr double largest = 2;
+    Eigen::MatrixXd total = covariance;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> separation(system.inverse);
+    for (Eigen::Index d = 0; d < total.rows(); ++d) {
+        const Eigen::VectorXd direction = separation.eigenvectors().col(d);
+        const double wrench = error * direction.cwiseProduct(system.column_norm).norm();  // that the error stands for
+        total += wrench * wrench * std::max(0.0, separation.eigenvalues()(d)) * direction * direction.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(total);
+    const Eigen::VectorXd variances = eigen.eigenvalues().cwiseMin(largest * largest).cwiseMax(0.0);
+    return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+/// Moves the open parameters of `model`, each in proportion to its base value, until the known combinations hold.
+void shareCombinations(const Solver& solver, const LinearSystem& system, const OpenGroup& group, MountModel& model) {
+    const Eigen::Index size = group.members.size();
+    Eigen::VectorXd base(size), fitted(size);
+    std::vector<std::string> names;
+    for (Eigen::Index j = 0; j < size; ++j) {
+        const int member = system.parameters[group.members[j]];
+        names.push_back(solver.parameters()[member].name);
+        base(j) = getParameter(solver.base(), names.back());
+        fitted(j) = getParameter(solver.model(), names.back());
+    }
+    Eigen::VectorXd shared = base;
+    if (!group.known.empty()) {
+        Eigen::MatrixXd factors(group.known.size(), size);
+        for (std::size_t c = 0; c < group.known.size(); ++c) factors.row(c) = group.known[c].factors.transpose();
+        Eigen::VectorXd weight = base.cwiseAbs();
+        if (!(weight.minCoeff() > 0)) weight = system.scale(group.members);
+        const Eigen::MatrixXd weighted = weight.asDiagonal() * factors.transpose();
+        shared += weighted * (factors * weighted).ldlt().solve(factors * (fitted - base));
+    }
+    for (Eigen::Index j = 0; j < size; ++j) setParameter(model, names[j], shared(j));
+}
+
+void reportOpenGroups(const Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
+                      const Identifiability& identifiability, FitResult& result) {
+    const auto nameOf = [&](int member) -> const Parameter& { return solver.parameters()[system.parameters[member]]; };
+    bool shared = false;
+    for (const OpenGroup& group : identifiability.groups) {
+        shareCombinations(solver, system, group, result.model);
+        for (const KnownCombination& known : group.known) {
+            UnidentifiedGroup entry;
+            double magnitude = 0;
+            Eigen::VectorXd combination = Eigen::VectorXd::Zero(system.scale.size());
+            for (std::size_t j = 0; j < known.members.size(); ++j) {
+                const double factor = known.factors(j);
+                if (factor == 0) continue;
+                entry.names.push_back(nameOf(known.members[j]).name);
+                const double term = factor * getParameter(solver.model(), entry.names.back());
+                entry.value += term;
+                magnitude += std::abs(term);
+                combination(known.members[j]) = factor * system.scale(known.members[j]);
+            }
+            entry.combination = known.text;
+            entry.interval95 = around(entry.value, uncertainty.calcHalfWidth(combination), magnitude);
+            entry.unit = nameOf(known.members.front()).unit;
+            entry.separate_by = group.separate_by;
+            result.not_identifiable.push_back(std::move(entry));
+            shared = true;
+        }
+        UnidentifiedGroup rest;  // members that no known combination holds
+        for (const int member : group.members) {
+            const bool combined =
+                std::any_of(group.known.begin(), group.known.end(), [&](const KnownCombination& known) {
+                    for (std::size_t j = 0; j < known.members.size(); ++j)
+                        if (known.members[j] == member && known.factors(j) != 0) return true;
+                    return false;
+                });
+            if (!combined) rest.names.push_back(nameOf(member).name);
+        }
+        if (rest.names.empty()) continue;
+        rest.unit = nameOf(group.members.front()).unit;
+        rest.separate_by = group.separate_by;
+        result.not_identifiable.push_back(std::move(rest));
+    }
+    if (shared)
+        result.notes.emplace_back(
+            "the fitted model shares each known combination among its members in proportion to the values of the "
+            "model");
+}
+
+void reportUnreachedStops(Solver& solver, FitResult& result) {
+    for (const Parameter& parameter : solver.parameters()) {
+        if (parameter.kind != ParameterKind::clearance) continue;
+        const StopTerm term{parameter.connection, parameter.axis, parameter.stop};
+        const auto& reached = solver.equations().stops();
+        if (std::any_of(reached.begin(), reached.end(), [&](const StopTerm& s) {
+                return s.historyIndex() == term.historyIndex() && s.stop == term.stop;
+            }))
+            continue;
+        const double noticed = solver.findNoticedClearance(term);
+        const std::string stop = parameter.name.substr(0, parameter.name.rfind('.'));
+        UnidentifiedGroup entry;
+        entry.names = {parameter.name, stop + ".stiffness"};
+        entry.unit = "";
+        entry.reason = noticed > 0 ? "not reached: clearance > " + format(noticed) + " m" : "not reached";
+        const double beyond = std::max(solver.calcReach(term), stopOf(solver.base(), term).clearance);
+        entry.separate_by = "a run in which " + stop + " is pushed beyond " + format(beyond) + " m";
+        result.not_identifiable.push_back(std::move(entry));
+    }
+}
+
+/// What is left should be noise; where it is not, the intervals say less than they seem to.
+void warnOfMissingTerms(const Solver& solver, const ParameterUncertainty& uncertainty, FitResult& result) {
+    constexpr double notable = 2, least_fraction = 5e-3;
+    const double expected = solver.calcNoiseSquares() + uncertainty.calibrationSquares();
+    result.residual_over_noise = expected > 0 ? std::sqrt(solver.calcResidualSquares() / expected) : 0.0;
+    if (result.residual_over_noise < notable || result.residual_fraction < least_fraction) return;
+    result.notes.push_back(
+        "what is left unexplained is " + format(result.residual_over_noise) +
+        " times what the channels' noise leaves: the mount does something that this model does not have "
+        "(identify diagnose looks for it), and the intervals hold only as far as the model does");
+}
+
+}  // namespace
+
+void fillResult(Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
+                const FitOptions& options, FitResult& result) {
+    std::vector<Parameter> taking_part;
+    for (const int p : system.parameters) taking_part.push_back(solver.parameters()[p]);
+    const Eigen::MatrixXd covariance = addGeometryError(system, uncertainty.makeCovariance(), options.geometry_error);
+    result.directions = findDirections(taking_part, system.information, covariance);
+    const Identifiability identifiability =
+        findIdentifiable(solver.model(), taking_part, system.scale, covariance,
+                         [&](const Eigen::VectorXd& combination) { return uncertainty.calcHalfWidth(combination); });
+    result.model = solver.base();
+    for (std::size_t j = 0; j < taking_part.size(); ++j) {
+        if (!identifiability.known[j]) continue;
+        const Eigen::Index k = j;
+        const Eigen::VectorXd combination = system.scale(k) * Eigen::VectorXd::Unit(system.scale.size(), k);
+        FittedParameter fitted{taking_part[j].name, taking_part[j].unit, 0, 0, 0, {}};
+        fitted.model_value = getParameter(solver.base(), fitted.name);
+        fitted.value = getParameter(solver.model(), fitted.name);
+        fitted.standard_error = uncertainty.calcStandardError(combination);
+        fitted.interval95 = around(fitted.value, uncertainty.calcHalfWidth(combination), std::abs(fitted.value));
+        setParameter(result.model, fitted.name, fitted.value);
+        result.parameters.push_back(std::move(fitted));
+    }
+    reportOpenGroups(solver, system, uncertainty, identifiability, result);
+    reportUnreachedStops(solver, result);
+    result.remainders = calcRemainders(solver);
+    result.residual_fraction = calcUnexplainedFraction(result.remainders, solver.model());
+    warnOfMissingTerms(solver, uncertainty, result);
 }
 
 }  // namespace wems::identify

@@ -4,17 +4,40 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "identify/fit/parameter_directions.hpp"
+#include "identify/fit/identifiability.hpp"
+#include "identify/fit/intervals.hpp"
 #include "identify/fit/remainder.hpp"
+#include "identify/fit/solver.hpp"
 #include "identify/motion/motion.hpp"
 #include "models/mount_model.hpp"
+#include "models/parameter_access.hpp"
 
 namespace wems::identify {
+
+// Wall-clock time of the steps of a computation.
+
+class Stopwatch {
+public:
+    /// Steps are appended to `laps`, in seconds.
+    explicit Stopwatch(std::vector<std::pair<std::string, double>>& laps) : laps_(laps) {}
+    void lap(const std::string& name) {
+        const auto now = std::chrono::steady_clock::now();
+        laps_.emplace_back(name, std::chrono::duration<double>(now - last_).count());
+        last_ = now;
+    }
+    /// The next step begins now.
+    void restart() { last_ = std::chrono::steady_clock::now(); }
+
+private:
+    std::vector<std::pair<std::string, double>>& laps_;
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
 
 struct FitOptions {
     std::vector<std::string> free_body;  ///< `body.center_of_gravity`, `body.inertia`, or components of them
@@ -61,5 +84,11 @@ struct FitResult {
 /// (slow_offset.hpp), which takes some ten fits.
 /// @throws InputError if there is no run, a run is shorter than the test function, or a name in `free_body` is wrong.
 FitResult fitMount(const std::vector<RunMotion>& measured, const MountModel& model, const FitOptions& options = {});
+
+// From the solution of the regression to what a user is told: known values, open groups, the fitted model.
+
+/// Fills parameters, not_identifiable, residual_fraction, model and notes of `result`.
+void fillResult(Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
+                const FitOptions& options, FitResult& result);
 
 }  // namespace wems::identify

@@ -8,6 +8,7 @@
 #include "models/sampled_motion.hpp"
 
 namespace wems::identify {
+
 namespace {
 
 void fillHistory(const AxisLaw& law, Eigen::Index column, const RelativeHistory& relative,

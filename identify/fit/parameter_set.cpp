@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/axis_names.hpp"
 #include "models/error.hpp"
+#include "models/format_number.hpp"
 #include "models/parameter_access.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/fit/regressor_noise.hpp"
+#include "identify/fit/normal_equations.hpp"
 #include "models/parameter_access.hpp"
 
 namespace wems::identify {

@@ -10,10 +10,22 @@
 
 #include <string>
 
-#include "identify/fit/run_equations.hpp"
+#include "identify/fit/equation_of_motion.hpp"
+#include "identify/fit/fit.hpp"
 #include "models/atomic_file.hpp"
 
 namespace wems::identify {
+
+// The equations of one run as fitMount() sets them up, and the solution of those of several runs.
+
+/// Test function as the options say, or chosen from the run's channels and rate.
+/// @throws InputError if the run is too short
+RunEquations makeRunEquations(const RunMotion& run, const MountModel& model, const FitOptions& options);
+
+/// The rest of fitMount(): all parameters from the equations of all runs.
+/// @param runs of a run of which no scatter of gains was noticed (hasGainScatter), noise levels and times suffice
+FitResult solveEquations(const std::vector<RunMotion>& runs, std::vector<RunEquations> equations,
+                         const MountModel& model, const FitOptions& options);
 
 struct StoredRun {
     RunMotion motion;  ///< its samples are empty unless hasGainScatter()

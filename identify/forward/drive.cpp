@@ -9,9 +9,10 @@
 #include "identify/forward/step_size.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "models/bryant.hpp"
-#include "models/load_point.hpp"
+#include "models/mount_forces.hpp"
 
 namespace wems::identify {
+
 namespace {
 
 /// Slope of each row per sample, by the five-point difference inside and three-point differences at the ends.

@@ -6,12 +6,29 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "identify/forward/drive_rows.hpp"
 #include "identify/motion/motion.hpp"
 #include "models/bracket.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {
+
+// What drives a simulation as the integrator reads it: plain tables.
+
+/// Prescribed motion of the fixed part at one time, by columns.
+struct FrameRow {
+    double R_GF[9], p_GF[3], w_GF[3], v_GF[3];
+};
+
+/// What drives, at all half steps of the grid.
+struct DriveRows {
+    const double* load = nullptr;      ///< 3 for each half step; null without
+    const double* base = nullptr;      ///< likewise
+    const FrameRow* frames = nullptr;  ///< likewise
+    /// The motion at a part (0…1) between two rows, h (s) apart.
+    void (*interpolate)(const FrameRow& from, const FrameRow& to, double part, double h, FrameRow& between) = nullptr;
+    double elapsed = 0, half_step = 0;  ///< s: at the first half step, and between two
+    int count = 0;
+};
 
 /// Uniform times of a simulation: samples, and the integrator's steps between two samples.
 struct TimeGrid {

@@ -5,7 +5,7 @@
 /// rows, the fixed part's motion what DriveRows::interpolate makes of both ends.
 #pragma once
 
-#include "identify/forward/drive_rows.hpp"
+#include "identify/forward/drive.hpp"
 #include "identify/forward/mount_kernel.hpp"
 #include "identify/forward/pack.hpp"
 

@@ -28,7 +28,7 @@
 
 #include "identify/forward/drive.hpp"
 #include "identify/forward/kernel_model.hpp"
-#include "identify/forward/simulation_diverged.hpp"
+#include "identify/forward/step_size.hpp"
 #include "models/bracket.hpp"
 #include "models/guided_motion.hpp"
 #include "models/mount_forces.hpp"

@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 
 #include "models/mount_forces.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -11,7 +11,7 @@
 /// however fast the sliding is. All that is dragged counts as a bristle, hysteresis too (models/axis_terms.hpp).
 #pragma once
 
-#include "identify/forward/small_matrix.hpp"
+#include "identify/forward/pack.hpp"
 #include "models/axis_terms.hpp"
 
 namespace wems::identify {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#include "identify/motion/motion.hpp"
 #include "identify/motion/part_motion.hpp"
 #include "identify/motion/spectrum.hpp"
 #include "identify/motion/swept_frequency.hpp"
-#include "identify/motion/uniform_time.hpp"
 #include "models/bryant.hpp"
 #include "models/error.hpp"
 #include "models/mount_forces.hpp"

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/forward/simulation_diverged.hpp"
 #include "models/bryant.hpp"
 #include "models/format_number.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
+
 namespace {
 
 // Step times highest natural frequency.

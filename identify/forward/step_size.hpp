@@ -2,9 +2,23 @@
 /// Step size of the forward model from the fastest motion that the model can make.
 #pragma once
 
+#include <stdexcept>
+#include <string>
+
 #include "models/mount_model.hpp"
 
 namespace wems::identify {
+
+// Why there is no simulated motion.
+
+/// The motion grew beyond all bounds, or holds what is too fast to be followed; the message tells when, or how fast.
+class SimulationDiverged : public std::runtime_error {
+public:
+    /// @param time s, at which the motion grew
+    explicit SimulationDiverged(double time)
+        : SimulationDiverged("the simulated motion grew beyond all bounds at " + std::to_string(time) + " s") {}
+    explicit SimulationDiverged(const std::string& what) : std::runtime_error(what) {}
+};
 
 /// Bounds on the rates of a model, from its equations linearised about the rest position.
 struct FastestRates {

@@ -9,8 +9,8 @@
 
 #include <initializer_list>
 
+#include "identify/forward/drive.hpp"
 #include "identify/forward/drive_reader.hpp"
-#include "identify/forward/drive_rows.hpp"
 #include "identify/forward/kinks.hpp"
 #include "identify/forward/mount_kernel.hpp"
 #include "identify/forward/pack.hpp"

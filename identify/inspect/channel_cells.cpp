@@ -4,13 +4,32 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/inspect/segment_spectra.hpp"
-#include "identify/motion/channel_set.hpp"
 #include "identify/motion/noise_estimate.hpp"
 #include "identify/motion/rigid_fit.hpp"
-#include "models/pi.hpp"
+#include "identify/motion/spectrum.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
+
+std::vector<std::vector<std::complex<double>>> transformSegments(const std::vector<double>& signal,
+                                                                 std::size_t length) {
+    std::vector<double> block(length);
+    std::vector<std::complex<double>> spectrum(length / 2 + 1);
+    const FftwPlan plan(
+        fftw_plan_dft_r2c_1d(static_cast<int>(length), block.data(), asFftw(spectrum.data()), FFTW_ESTIMATE));
+    std::vector<std::vector<std::complex<double>>> segments;
+    for (std::size_t start = 0; start + length <= signal.size(); start += length / 2) {
+        for (std::size_t i = 0; i < length; ++i) {
+            const double phase = kTwoPi * (static_cast<double>(i) + 0.5) / static_cast<double>(length);
+            const double value = signal[start + i];
+            block[i] = std::isfinite(value) ? (0.5 - 0.5 * std::cos(phase)) * value : 0;
+        }
+        fftw_execute(plan.get());
+        segments.push_back(spectrum);
+    }
+    return segments;
+}
+
 namespace {
 
 // Measured on recordings of 24 random devices without fault, small errors of every sensor (38 parts): with the values

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,12 @@
 #include "models/recording/recording.hpp"
 
 namespace wems::identify {
+
+// Short spectra of a signal along time.
+
+/// Discrete Fourier transforms of half-overlapping Hann segments of `length` samples; values that are not finite count
+/// as zero. One vector of length/2 + 1 bins for each segment.
+std::vector<std::vector<std::complex<double>>> transformSegments(const std::vector<double>& signal, std::size_t length);
 
 struct CellChannel {
     std::string name, station;  ///< station: `mobile.1`, `base`

@@ -2,10 +2,10 @@
 /// What is in a recording, what is suspicious about it, and what can be identified from it.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
-#include "identify/inspect/block_notes.hpp"
 #include "identify/inspect/channel_statistics.hpp"
 #include "identify/inspect/order_tracking.hpp"
 #include "identify/inspect/quality.hpp"
@@ -14,6 +14,38 @@
 #include "models/recording/recording.hpp"
 
 namespace wems::identify {
+
+// Notes on the blocks of a long recording.
+
+/// Keeps one of the notes that differ in their numbers only.
+class BlockNotes {
+public:
+    void add(const std::string& note);
+    /// In the order in which they came, with the number of others like each.
+    std::vector<std::string> list() const;
+
+private:
+    struct Note {
+        std::string text;
+        long blocks = 0;
+    };
+    std::map<std::string, std::size_t> index_;
+    std::vector<Note> notes_;
+};
+
+// What can be identified from a recording.
+
+/// Whether the relative displacements of the rigid motions pass each stop's clearance, connection by connection, axis
+/// by axis; empty if the motions cannot be recovered.
+std::vector<bool> findReachedStops(const Recording& recording, const MountModel& model);
+
+/// One sentence for each thing that can or cannot be told; the drive, the motion of each part (with a model: which of
+/// the six motions its channels leave open), component tests, stops that are reached.
+/// @param recording its channels' names count
+/// @param model may be null
+/// @param reached findReachedStops(); not looked at without a model
+std::vector<std::string> describeAbilities(const Recording& recording, const MountModel* model,
+                                           const std::vector<bool>& reached);
 
 struct Inspection {
     std::size_t samples = 0;

@@ -8,7 +8,7 @@
 
 #include "identify/inspect/fault_misfit.hpp"
 #include "models/format_number.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <limits>
 
-#include "identify/motion/median.hpp"
-#include "models/pi.hpp"
+#include "identify/motion/noise_estimate.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -8,7 +8,7 @@
 #include "identify/motion/fusion.hpp"
 #include "identify/motion/noise_estimate.hpp"
 #include "identify/motion/part_estimator.hpp"
-#include "identify/motion/part_motion_limits.hpp"
+#include "identify/motion/part_motion.hpp"
 #include "identify/motion/rigid_fit.hpp"
 #include "identify/motion/spectrum.hpp"
 #include "models/bryant.hpp"

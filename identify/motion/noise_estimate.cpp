@@ -3,12 +3,18 @@
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
-#include "identify/motion/median.hpp"
-
 namespace wems::identify {
+
+double median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
 namespace {
 
 double medianOfChiSquared(int degrees_of_freedom) {

@@ -3,8 +3,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace wems::identify {
+
+// Robust location: the middle value.
+
+/// The upper middle of `values` (not empty; taken by value because it is partly sorted).
+double median(std::vector<double> values);
 
 /// RMS noise of a channel from the residuals of a rigid fit (channels x samples) with `redundancy` ≥ 1 equations more
 /// than unknowns. Second differences keep systematic residuals (gains, flexibility) at the frequencies of the motion

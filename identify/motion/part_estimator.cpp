@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "identify/motion/differentiation.hpp"
-#include "identify/motion/part_motion_limits.hpp"
+#include "identify/motion/part_motion.hpp"
 #include "identify/motion/spectrum.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "models/error.hpp"

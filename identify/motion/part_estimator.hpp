@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "identify/motion/channel_set.hpp"
 #include "identify/motion/part_motion.hpp"
+#include "identify/motion/rigid_fit.hpp"
 #include "models/recording/recording.hpp"
 
 namespace wems::identify {

@@ -8,16 +8,15 @@
 #include "identify/motion/fusion.hpp"
 #include "identify/motion/noise_estimate.hpp"
 #include "identify/motion/part_estimator.hpp"
-#include "identify/motion/part_motion_limits.hpp"
 #include "identify/motion/rigid_fit.hpp"
-#include "identify/motion/rotation_rates.hpp"
 #include "identify/motion/spectrum.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "models/bryant.hpp"
 #include "models/error.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
+
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <optional>
 
+#include "identify/motion/motion.hpp"
 #include "identify/motion/part_motion.hpp"
 #include "identify/motion/rigid_fit.hpp"
-#include "identify/motion/uniform_time.hpp"
 #include "models/error.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

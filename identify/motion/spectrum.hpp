@@ -2,9 +2,26 @@
 /// Power spectral density of a signal, and double integration in the frequency domain.
 #pragma once
 
+#include <fftw3.h>
+
 #include <Eigen/Core>
+#include <complex>
+#include <memory>
+#include <vector>
 
 namespace wems::identify {
+
+// FFTW's plans and complex numbers in C++.
+
+struct FftwPlanDeleter {
+    void operator()(fftw_plan_s* plan) const { fftw_destroy_plan(plan); }
+};
+using FftwPlan = std::unique_ptr<fftw_plan_s, FftwPlanDeleter>;
+
+/// The layouts are the same (FFTW manual, section 4.1.1).
+inline fftw_complex* asFftw(std::complex<double>* data) {
+    return reinterpret_cast<fftw_complex*>(data);
+}
 
 struct Spectrum {
     Eigen::VectorXd frequency;  ///< Hz, from 0 to half the sampling rate
@@ -33,5 +50,17 @@ struct SlowSignal {
 /// The part of a signal below a frequency, zero-phase, and its derivative: gain 1 up to `pass`, 0 from `stop` (Hz) on,
 /// a raised cosine between. The signal is continued by zeros.
 SlowSignal keepSlowPart(const Eigen::VectorXd& signal, double interval, double pass, double stop);
+
+// Several sines at once.
+
+/// Frequencies (Hz, ascending) of two to twelve lines that a signal consists of and that last together; empty for
+/// anything else: one sine, a sweep, steps from one frequency to the next, random.
+///
+/// Lines are narrow islands in the spectrum of the whole signal that hold most of its power, each at least 4 % of the
+/// strongest (a fifth of its amplitude); nearer to each other than about seven over the duration they count as one.
+/// Their powers over time must overlap by half.
+/// @param harmonics_count false: lines at multiples of the lowest are what a part makes of one sine
+/// @param highest frequency of the drive, Hz, as far as it is known
+std::vector<double> findTones(const Eigen::VectorXd& signal, double interval, double highest, bool harmonics_count);
 
 }  // namespace wems::identify

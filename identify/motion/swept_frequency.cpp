@@ -6,10 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "identify/motion/median.hpp"
 #include "identify/motion/noise_estimate.hpp"
 #include "identify/motion/spectrum.hpp"
-#include "identify/motion/tones.hpp"
 
 namespace wems::identify {
 namespace {

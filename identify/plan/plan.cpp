@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "identify/forward/forward_model.hpp"
-#include "models/admissible_model.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
+#include "models/mount_model.hpp"
 
 namespace wems::identify {
 namespace {

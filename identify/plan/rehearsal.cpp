@@ -4,10 +4,10 @@
 #include <cmath>
 #include <random>
 
-#include "identify/diagnose/simulated_recording.hpp"
+#include "identify/diagnose/expectation.hpp"
 #include "identify/forward/forward_model.hpp"
-#include "models/axis_names.hpp"
 #include "models/excitation.hpp"
+#include "models/format_number.hpp"
 
 namespace wems::identify {
 namespace {

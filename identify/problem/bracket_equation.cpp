@@ -4,9 +4,8 @@
 #include <cmath>
 #include <complex>
 
-#include "identify/problem/load_wrench.hpp"
 #include "identify/problem/mount_equation.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -1,11 +1,15 @@
 #include "identify/problem/fourier.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <complex>
 #include <vector>
 
-#include "identify/motion/fftw_plan.hpp"
+#include "identify/motion/spectrum.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
+
 namespace {
 
 int fastSize(int least) {
@@ -81,6 +85,93 @@ Eigen::MatrixXd smoothPower(const Eigen::MatrixXcd& spectra, Eigen::Index half) 
         while (last < std::min(power.cols() - 1, k + half)) sum += power.col(++last);
         while (first < k - half) sum -= power.col(first++);
         result.col(k) = (sum / static_cast<double>(last - first + 1)).cwiseMax(0.0);
+    }
+    return result;
+}
+
+namespace {
+
+constexpr double kFrom = 0.4, kTo = 0.49;  // of the sampling rate: where folding is seen
+constexpr double kFolded = 0.06;           // of the power there: near zero frequency
+
+}  // namespace
+
+Eigen::Matrix<double, 12, 12> calcAliasing(const RunMotion& run) {
+    Eigen::MatrixXd acceleration = Eigen::MatrixXd::Zero(12, run.mobile.a.cols());
+    bool integrated = false;
+    const auto fill = [&](const PartMotion& part, Eigen::Index row) {
+        if (part.displacement_measured || !part.acceleration_measured) return;
+        acceleration.middleRows(row, 3) = part.a;
+        acceleration.middleRows(row + 3, 3) = part.alpha;
+        integrated = true;
+    };
+    fill(run.mobile, 0);
+    fill(run.fixed, 6);
+    if (!integrated) return Eigen::Matrix<double, 12, 12>::Zero();
+    const Fourier fourier(static_cast<int>(acceleration.cols()));
+    const auto first = static_cast<Eigen::Index>(kFrom * fourier.size()),
+               last = static_cast<Eigen::Index>(kTo * fourier.size());
+    const Eigen::MatrixXcd seen = fourier.forward(acceleration).middleCols(first, last - first);
+    const double count = static_cast<double>(seen.cols()) * static_cast<double>(acceleration.cols());
+    return kFolded / count * (seen * seen.adjoint()).real();
+}
+
+namespace {
+
+/// Transition band times length of the kernel: the window's main lobe.
+constexpr double kLobe = 8.0;
+// Sampling folds what h'' holds beyond the rate into the band. Where the transition ends at the Nyquist frequency the
+// second derivative is wrong by 3.4e-4 with the fourth power, by 1.2e-6 with the sixth, whose main lobe is 8.
+constexpr int kWindowPower = 6;
+
+/// Windowed sinc as a continuous function of time, so that it can be differentiated.
+double calcKernel(double t, double cutoff, double half_length) {
+    const double u = t / half_length;
+    if (std::abs(u) >= 1) return 0;
+    const double x = kTwoPi * cutoff * t;
+    const double sinc = std::abs(x) < 1e-8 ? 1.0 : std::sin(x) / x;
+    const double c = std::cos(0.5 * kPi * u);
+    return 2 * cutoff * sinc * std::pow(c, kWindowPower);
+}
+
+}  // namespace
+
+SmoothingKernel::SmoothingKernel(double interval, double pass, double stop) {
+    half_width_ = static_cast<int>(std::ceil(0.5 * kLobe / ((stop - pass) * interval)));
+    const double half_length = half_width_ * interval;
+    const double cutoff = 0.5 * (pass + stop);
+    const int count = 2 * half_width_ + 1;
+    for (auto& weights : weights_) weights.resize(count);
+    const double d = 1e-3 * interval;
+    for (int k = 0; k < count; ++k) {
+        const double t = (k - half_width_) * interval;
+        const double before = calcKernel(t - d, cutoff, half_length), at = calcKernel(t, cutoff, half_length),
+                     after = calcKernel(t + d, cutoff, half_length);
+        weights_[0][k] = at;
+        weights_[1][k] = -(after - before) / (2 * d);  // correlation: (h * x)' = ∫ h'(t − s) x(s), odd in t − s
+        weights_[2][k] = (after - 2 * at + before) / (d * d);
+    }
+    // Exact on constants, ramps and parabolas, which sampling alone does not quite give.
+    const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(count, -half_width_ * interval, half_width_ * interval);
+    weights_[0] /= weights_[0].sum();
+    weights_[1] /= weights_[1].dot(t);
+    weights_[2].array() -= weights_[2].mean();
+    weights_[2] /= 0.5 * weights_[2].dot(t.cwiseAbs2());
+}
+
+Eigen::MatrixXd SmoothingKernel::apply(const Eigen::Ref<const Eigen::MatrixXd>& rows, int derivative, int step) const {
+    const auto& weights = weights_[derivative];
+    const Eigen::Index samples = rows.cols();
+    Eigen::MatrixXd result(rows.rows(), (samples + step - 1) / step);
+    for (Eigen::Index k = 0; k < result.cols(); ++k) {
+        const Eigen::Index first = k * step - half_width_;
+        if (first >= 0 && first + weights.size() <= samples) {
+            result.col(k).noalias() = rows.middleCols(first, weights.size()) * weights;
+            continue;
+        }
+        result.col(k).setZero();
+        for (Eigen::Index j = 0; j < weights.size(); ++j)
+            result.col(k) += weights[j] * rows.col(std::clamp<Eigen::Index>(first + j, 0, samples - 1));
     }
     return result;
 }

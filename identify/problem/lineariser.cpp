@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/problem/load_wrench.hpp"
 #include "identify/problem/mount_equation.hpp"
 #include "models/axis_law.hpp"
 #include "models/bryant.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

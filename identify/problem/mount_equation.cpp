@@ -1,15 +1,83 @@
 #include "identify/problem/mount_equation.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
-#include "identify/fit/drag.hpp"
-#include "identify/problem/load_wrench.hpp"
-#include "identify/problem/sliding_friction.hpp"
+#include "identify/fit/law_history.hpp"
+#include "models/bryant.hpp"
 #include "models/law_equality.hpp"
+#include "models/mount_forces.hpp"
 
 namespace wems::identify {
+
+Eigen::MatrixXd calcLoad(const OpenLoopRun& run, const MountModel& model) {
+    Eigen::MatrixXd load = run.load;
+    if (!model.load) return load;
+    for (Eigen::Index k = 0; k < load.cols(); ++k)
+        load.col(k).array() *=
+            calcLoadGains(*model.load, k < run.swept.size() ? run.swept[k] : std::numeric_limits<double>::quiet_NaN())
+                .array();
+    return load;
+}
+
+bool loadsMobilePart(const OpenLoopRun& run, const MountModel& model) {
+    return model.load_point && model.load_point->part == Part::mobile && run.load.cols() > 0;
+}
+
+Eigen::MatrixXd calcLoadWrench(const OpenLoopRun& run, const LoadPoint& point,
+                               const Eigen::Ref<const Eigen::MatrixXd>& load) {
+    const auto& R = point.part == Part::mobile ? run.mobile.R : run.fixed.R;
+    Eigen::MatrixXd wrench(6, load.cols());
+    for (Eigen::Index k = 0; k < load.cols(); ++k) {
+        const Eigen::Vector3d force = load.col(k);
+        wrench.col(k) << force, (R[k] * point.position).cross(force);
+    }
+    return wrench;
+}
+
+Eigen::Matrix<double, 6, 3> calcLoadArm(const LoadPoint& point) {
+    Eigen::Matrix<double, 6, 3> arm;
+    arm << Eigen::Matrix3d::Identity(), crossMatrix(point.position);
+    return arm;
+}
+
+namespace {
+
+constexpr double kSaturated = 20;  // |v|/v_t from which tanh is ±1 in double precision
+
+/// ln(2 cosh x), without overflow.
+double calcLogCosh(double x) {
+    return std::abs(x) + std::log1p(std::exp(-2 * std::abs(x)));
+}
+
+/// Mean of tanh while its argument goes from one value to another at a constant rate.
+double calcMeanTanh(double from, double to) {
+    if (std::min(from, to) > kSaturated) return 1;
+    if (std::max(from, to) < -kSaturated) return -1;
+    if (std::abs(to - from) < 1e-3) return std::tanh(0.5 * (from + to));
+    return (calcLogCosh(to) - calcLogCosh(from)) / (to - from);
+}
+
+}  // namespace
+
+Eigen::VectorXd calcSlidingDirection(const Eigen::VectorXd& v, double transition_velocity) {
+    const Eigen::VectorXd x = v / transition_velocity;
+    const Eigen::Index count = x.size();
+    Eigen::VectorXd mean(count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const double before = k > 0 ? 0.5 * (x[k - 1] + x[k]) : x[k];
+        const double after = k + 1 < count ? 0.5 * (x[k] + x[k + 1]) : x[k];
+        mean[k] = 0.5 * (calcMeanTanh(before, x[k]) + calcMeanTanh(x[k], after));
+    }
+    // A mean over an interval h takes h²/24 of the second derivative from a signal.
+    Eigen::VectorXd result = mean;
+    for (Eigen::Index k = 1; k + 1 < count; ++k) result[k] -= (mean[k - 1] - 2 * mean[k] + mean[k + 1]) / 24;
+    return result;
+}
+
 namespace {
 
 /// z(h) of z' = (q − z)/τ over a step: decay · z(0) + weights · (q0, h v0, q1, h v1) for cubic Hermite q.

@@ -7,7 +7,7 @@
 ///     demand  = [ m (a_cm − g) ;  R I Rᵀ α + w × (R I Rᵀ w + R h) + c × m (a_cm − g) ]
 ///     residual = demand − load + Σ_i [ R_GF f_i ;  R_GM r_i × R_GF f_i ]          (the mobile part receives −f)
 ///
-/// with the load that acts on the mobile part itself, if any (load_wrench.hpp).
+/// with the load that acts on the mobile part itself, if any (below).
 ///
 /// Internal states of the laws (relaxation, structural damping, bristle, hysteresis) are integrated along the measured
 /// motion from rest, exactly for cubic Hermite q(t).
@@ -19,6 +19,31 @@
 #include "models/mount_model.hpp"
 
 namespace wems::identify {
+
+// The recorded load where it acts: at the bracket's load point, or at a point of either part ([load] in the model).
+
+/// The load with the model's gains, N, in G: 3 x samples. Empty if the recording has none.
+Eigen::MatrixXd calcLoad(const OpenLoopRun& run, const MountModel& model);
+
+/// True if the recorded load acts on the mobile part itself.
+bool loadsMobilePart(const OpenLoopRun& run, const MountModel& model);
+
+/// What a load (3 x samples) at a point is about its part's origin: force above moment, in G, 6 x samples.
+Eigen::MatrixXd calcLoadWrench(const OpenLoopRun& run, const LoadPoint& point,
+                               const Eigen::Ref<const Eigen::MatrixXd>& load);
+
+/// The same of unit loads along the axes, at rest.
+Eigen::Matrix<double, 6, 3> calcLoadArm(const LoadPoint& point);
+
+// Dry friction along a sampled motion. At a reversal F tanh(v/v_t) jumps within v_t/a, far less than a sampling
+// interval: its values at the samples would depend on where the reversal falls between them, an error in time of up to
+// half an interval, which spreads over all frequencies.
+
+/// tanh(v/v_t) at the samples as a band-limited signal: its mean over the interval around each sample, with v linear
+/// between samples, corrected to second order for what the mean takes from it.
+/// @param v velocity at samples, m/s
+/// @param transition_velocity v_t, m/s
+Eigen::VectorXd calcSlidingDirection(const Eigen::VectorXd& v, double transition_velocity);
 
 /// Law of one axis along its measured motion, N, positive with q.
 Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int connection, int axis);

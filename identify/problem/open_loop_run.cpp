@@ -1,17 +1,65 @@
 #include "identify/problem/open_loop_run.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "identify/problem/aliasing.hpp"
-#include "identify/problem/rigid_matrices.hpp"
-#include "identify/problem/velocity_noise.hpp"
+#include "identify/problem/fourier.hpp"
+#include "identify/problem/noise_density.hpp"
 #include "models/bryant.hpp"
 #include "models/mount_forces.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
+
+namespace {
+
+Matrix6 sumAxes(const MountModel& model, double AxisLaw::*coefficient) {
+    Matrix6 sum = Matrix6::Zero();
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        for (int a = 0; a < 3; ++a) {
+            const Vector6 d = calcAxisDirection(model, static_cast<int>(i), a);
+            sum += model.connections[i].axis[a].*coefficient * d * d.transpose();
+        }
+    return sum;
+}
+
+}  // namespace
+
+Vector6 calcAxisDirection(const MountModel& model, int connection, int axis) {
+    Vector6 d;
+    const Eigen::Vector3d e = Eigen::Vector3d::Unit(axis);
+    d << e, model.connections[connection].position.cross(e);
+    return d;
+}
+
+Matrix6 calcMassMatrix(const MobileBody& body) {
+    const Eigen::Matrix3d C = crossMatrix(body.center_of_gravity);
+    Matrix6 M;
+    M << body.mass * Eigen::Matrix3d::Identity(), -body.mass * C, body.mass * C, body.inertia - body.mass * C * C;
+    return M;
+}
+
+Vector6 calcFreedom(const MobileBody& body) {
+    Vector6 freedom;
+    for (std::size_t i = 0; i < body.free.size(); ++i) freedom[i] = body.free[i] ? 1 : 0;
+    return freedom;
+}
+
+void holdMotions(Matrix6& matrix, const Vector6& freedom, double diagonal) {
+    matrix = (freedom.asDiagonal() * matrix * freedom.asDiagonal()).eval();
+    matrix.diagonal() += diagonal * (Vector6::Ones() - freedom);
+}
+
+Matrix6 calcStiffnessMatrix(const MountModel& model) {
+    return sumAxes(model, &AxisLaw::stiffness);
+}
+
+Matrix6 calcDampingMatrix(const MountModel& model) {
+    return sumAxes(model, &AxisLaw::damping);
+}
+
 namespace {
 
 // In units of the highest frequency that is kept: the end of a transition band, and a rate that holds what is left.
@@ -199,6 +247,39 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
 
     result.taper = makeWindow(result, (kernel.halfWidth() + 1) * run.interval);
     return result;
+}
+
+std::complex<double> DynamicStiffness::at(double w) const {
+    std::complex<double> sum(stiffness, w * damping);
+    for (const MaxwellBranch& branch : branches)
+        sum -= branch.stiffness / std::complex<double>(1, w * branch.time_constant);
+    return sum;
+}
+
+DynamicStiffness calcDynamicStiffness(const OpenLoopRun& run, AxisLaw law, Eigen::Index row) {
+    law.friction.reset();
+    const AxisForce force(law);
+    const std::vector<double> z(static_cast<std::size_t>(force.stateCount()) + 1, 0.0);
+    constexpr int kEvery = 4;  // samples; the mean of thousands needs no more
+    DynamicStiffness mean;
+    double count = 0;
+    for (int k = 0; k < run.sampleCount(); k += kEvery) {
+        mean.stiffness += force.calcStiffness(run.q(row, k), run.v(row, k), run.time[k], z.data());
+        mean.damping += force.calcDamping(run.q(row, k), run.v(row, k), run.time[k], z.data());
+        ++count;
+    }
+    mean.stiffness /= count;
+    mean.damping /= count;
+    mean.branches = force.branches();
+    return mean;
+}
+
+Eigen::RowVectorXd calcStiffnessFluctuation(const OpenLoopRun& run, const AxisLaw& law, Eigen::Index row) {
+    const AxisForce force(law);
+    Eigen::RowVectorXd stiffness(run.sampleCount());
+    for (Eigen::Index k = 0; k < stiffness.size(); ++k) stiffness[k] = force.calcStaticStiffness(run.q(row, k));
+    if ((stiffness.array() == stiffness[0]).all()) return Eigen::RowVectorXd::Zero(stiffness.size());
+    return stiffness.array() - stiffness.mean();
 }
 
 }  // namespace wems::identify

@@ -3,14 +3,33 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <string>
 #include <vector>
 
 #include "identify/motion/motion.hpp"
-#include "identify/problem/smoothing_kernel.hpp"
+#include "identify/problem/fourier.hpp"
+#include "models/axis_law.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {
+
+// The mount as a linear system about its rest position: 6 x 6 matrices about M's origin, translation above rotation.
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+Matrix6 calcMassMatrix(const MobileBody& body);
+/// Of the elastomers alone: stops and what else the laws hold left out.
+Matrix6 calcStiffnessMatrix(const MountModel& model);
+Matrix6 calcDampingMatrix(const MountModel& model);
+/// Of the mobile part's six motions: 1 where it is free, 0 where a guide holds it. A guide gives whatever force it
+/// must: the equations of held motions say nothing of the mount.
+Vector6 calcFreedom(const MobileBody& body);
+/// Rows and columns of held motions become those of `diagonal` times one.
+void holdMotions(Matrix6& matrix, const Vector6& freedom, double diagonal);
+/// (displacement of an axis) = directionᵀ (translation, rotation): (e_a ; r_i × e_a).
+Vector6 calcAxisDirection(const MountModel& model, int connection, int axis);
 
 /// The band that a recording excites, Hz, from which all lengths of filters and tapers follow.
 struct ExcitedBand {
@@ -70,5 +89,23 @@ int findDecimation(double interval, const ExcitedBand& band);
 /// Relative displacement and velocity of every axis from the motion of both parts (rows 3 i + axis).
 void calcRelative(const MountModel& model, const SmoothPart& mobile, const SmoothPart& fixed, Eigen::MatrixXd& q,
                   Eigen::MatrixXd& v);
+
+// What small motion about a measured one meets of a law: its equivalent linear stiffness, and how that comes and goes.
+
+/// In the mean over a run: κ(ω) = k + iωc − Σ_b k_b / (1 + iωτ_b), k with the branches' springs at work and the stops
+/// as long as they touch. Dry friction is left out: the equations take a velocity without noise for it.
+struct DynamicStiffness {
+    double stiffness = 0;  ///< N/m
+    double damping = 0;    ///< N s/m
+    std::vector<MaxwellBranch> branches;
+
+    std::complex<double> at(double w) const;
+};
+
+/// @param row of the axis in q and v: 3 connection + axis
+DynamicStiffness calcDynamicStiffness(const OpenLoopRun& run, AxisLaw law, Eigen::Index row);
+
+/// Static stiffness along the run beyond its mean, N/m: zero where no stop touches and the law is linear.
+Eigen::RowVectorXd calcStiffnessFluctuation(const OpenLoopRun& run, const AxisLaw& law, Eigen::Index row);
 
 }  // namespace wems::identify

@@ -6,10 +6,9 @@
 #include <optional>
 
 #include "identify/problem/bracket_equation.hpp"
-#include "identify/problem/dynamic_stiffness.hpp"
-#include "identify/problem/load_wrench.hpp"
 #include "identify/problem/mount_equation.hpp"
-#include "models/pi.hpp"
+#include "identify/problem/open_loop_run.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

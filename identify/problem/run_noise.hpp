@@ -11,7 +11,7 @@
 ///
 ///     R(ω) = A diag(P_m, P_f) Aᴴ + B S_l Bᴴ + noise of the stops in contact
 ///
-/// W is the wrench of unit loads (load_wrench.hpp); at a point of the fixed part B has Φ H Φᵀ W alone.
+/// W is the wrench of unit loads (mount_equation.hpp); at a point of the fixed part B has Φ H Φᵀ W alone.
 ///
 /// P_m, P_f and S_l hold a discrepancy beside the noise, for what is neither noise nor parameter: a small fraction of
 /// the motion's and the load's own spectra, never zero (Kennedy and O'Hagan 2001, doi:10.1111/1467-9868.00294). Carried
@@ -24,7 +24,6 @@
 
 #include "identify/problem/fourier.hpp"
 #include "identify/problem/open_loop_run.hpp"
-#include "identify/problem/rigid_matrices.hpp"
 #include "identify/problem/slow_balance.hpp"
 #include "identify/problem/test_run.hpp"
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <map>
 
-#include "identify/motion/channel_set.hpp"
-#include "identify/problem/rigid_matrices.hpp"
+#include "identify/motion/rigid_fit.hpp"
+#include "identify/problem/open_loop_run.hpp"
 #include "models/bryant.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

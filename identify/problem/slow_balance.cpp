@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "identify/problem/mount_equation.hpp"
-#include "identify/problem/rigid_matrices.hpp"
+#include "identify/problem/open_loop_run.hpp"
 #include "models/axis_law.hpp"
 #include "models/bryant.hpp"
 

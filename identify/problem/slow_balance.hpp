@@ -22,7 +22,6 @@
 #include <vector>
 
 #include "identify/problem/open_loop_run.hpp"
-#include "identify/problem/rigid_matrices.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {

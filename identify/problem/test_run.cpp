@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/motion/uniform_time.hpp"
+#include "identify/motion/motion.hpp"
 #include "models/bryant.hpp"
 #include "models/error.hpp"
 

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "models/axis_names.hpp"
+#include "models/format_number.hpp"
 #include "models/parameter_access.hpp"
 #include "models/parameter_name.hpp"
-#include "models/pi.hpp"
 #include "models/tolerances.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -19,7 +19,6 @@
 #include "identify/commands/schemas.hpp"
 #include "identify/commands/spectra.hpp"
 #include "identify/python/bindings.hpp"
-#include "identify/python/follow.hpp"
 
 namespace wems::python {
 namespace {

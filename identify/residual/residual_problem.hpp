@@ -19,7 +19,7 @@
 
 #include "identify/diagnose/diagnosis.hpp"
 #include "identify/problem/unknown.hpp"
-#include "identify/solve/hypothesis.hpp"
+#include "identify/solve/evidence.hpp"
 
 namespace wems::identify {
 

@@ -9,6 +9,7 @@
 #include <set>
 
 namespace wems::identify {
+
 namespace {
 
 double logDeterminant(const Eigen::LLT<Eigen::MatrixXd>& factor) {

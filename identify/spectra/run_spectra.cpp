@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "identify/motion/motion.hpp"
 #include "identify/motion/swept_frequency.hpp"
-#include "identify/motion/uniform_time.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 

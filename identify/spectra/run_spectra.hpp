@@ -9,9 +9,8 @@
 
 #include "identify/inspect/order_tracking.hpp"
 #include "identify/spectra/margins.hpp"
-#include "identify/spectra/spectra_peaks.hpp"
-#include "identify/spectra/transfer_estimate.hpp"
-#include "models/shock_response.hpp"
+#include "identify/spectra/welch.hpp"
+#include "models/shock.hpp"
 
 namespace wems::identify {
 

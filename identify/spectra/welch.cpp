@@ -2,13 +2,15 @@
 
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <vector>
 
-#include "identify/motion/fftw_plan.hpp"
+#include "identify/motion/spectrum.hpp"
 #include "models/error.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
+
 namespace {
 
 /// 2 K / (1 + 2 Σ_j (1 − j/K) ρ_j), ρ_j the squared correlation of the windows of segments j apart.
@@ -75,6 +77,95 @@ CrossSpectra estimateSpectra(const Eigen::MatrixXd& signals, Eigen::Index refere
     spectra.frequency = Eigen::VectorXd::LinSpaced(bins, 0, static_cast<double>(bins - 1) * spectra.resolution);
     spectra.degrees_of_freedom = calcDegreesOfFreedom(window, step, spectra.segments);
     return spectra;
+}
+
+namespace {
+
+constexpr double kOutside = 0.05;  // of an interval of 95 %
+
+double quotient(double a, double b) {
+    return b > 0 ? a / b : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+TransferEstimate estimateTransfer(const CrossSpectra& spectra, Eigen::Index output) {
+    const Eigen::Index bins = spectra.frequency.size();
+    const double nu = spectra.degrees_of_freedom;
+    const double spread = nu > 2 ? std::pow(kOutside, -2 / (nu - 2)) - 1 : std::numeric_limits<double>::infinity();
+    TransferEstimate estimate;
+    estimate.h1.resize(bins);
+    estimate.h2.resize(bins);
+    estimate.hv.resize(bins);
+    estimate.coherence.resize(bins);
+    estimate.radius95.resize(bins);
+    for (Eigen::Index k = 0; k < bins; ++k) {
+        const double xx = spectra.density(k, spectra.reference), yy = spectra.density(k, output);
+        const std::complex<double> xy = spectra.cross(k, output);
+        const double square = std::norm(xy);
+        estimate.h1[k] = xy * quotient(1, xx);
+        estimate.h2[k] = xy * quotient(yy, square);
+        estimate.hv[k] = xy * std::sqrt(quotient(yy, xx) * quotient(1, square));
+        estimate.coherence[k] = quotient(square, xx * yy);
+        estimate.radius95[k] = std::sqrt(spread * std::fmax(0, 1 - estimate.coherence[k]) * quotient(yy, xx));
+    }
+    return estimate;
+}
+
+double coherenceThreshold95(double degrees_of_freedom) {
+    return degrees_of_freedom > 2 ? 1 - std::pow(kOutside, 2 / (degrees_of_freedom - 2)) : 1;
+}
+
+namespace {
+
+/// Regularised lower incomplete gamma function P(a, x): series below a + 1, continued fraction (Lentz) above.
+/// Source: Press et al., Numerical Recipes (2007), section 6.2.
+double lowerGamma(double a, double x) {
+    if (!(x > 0)) return 0;
+    constexpr int most_terms = 10000;
+    constexpr double small = 1e-300, converged = 1e-16;
+    const double front = std::exp(a * std::log(x) - x - std::lgamma(a));
+    if (x < a + 1) {
+        double term = 1 / a, sum = term;
+        for (int n = 1; n < most_terms && term > converged * sum; ++n) {
+            term *= x / (a + n);
+            sum += term;
+        }
+        return front * sum;
+    }
+    double b = x + 1 - a, c = 1 / small, d = 1 / b, h = d;
+    for (int n = 1; n < most_terms; ++n) {
+        const double an = -n * (n - a);
+        b += 2;
+        d = an * d + b;
+        if (std::abs(d) < small) d = small;
+        c = b + an / c;
+        if (std::abs(c) < small) c = small;
+        d = 1 / d;
+        h *= d * c;
+        if (std::abs(d * c - 1) < converged) break;
+    }
+    return 1 - front * h;
+}
+
+}  // namespace
+
+double chiSquareQuantile(double degrees_of_freedom, double p) {
+    const double a = degrees_of_freedom / 2;
+    double low = 0, high = a + 1;
+    while (lowerGamma(a, high) < p) high *= 2;
+    constexpr int halvings = 200;
+    constexpr double precise = 1e-13;
+    for (int i = 0; i < halvings && high - low > precise * high; ++i) {
+        const double middle = 0.5 * (low + high);
+        (lowerGamma(a, middle) < p ? low : high) = middle;
+    }
+    return low + high;  // twice the middle: χ² = 2 x
+}
+
+DensityInterval densityInterval95(double degrees_of_freedom) {
+    return {degrees_of_freedom / chiSquareQuantile(degrees_of_freedom, 0.975),
+            degrees_of_freedom / chiSquareQuantile(degrees_of_freedom, 0.025)};
 }
 
 }  // namespace wems::identify

@@ -6,9 +6,9 @@
 #include <limits>
 #include <utility>
 
-#include "identify/diagnose/free_error.hpp"
+#include "identify/diagnose/pass.hpp"
 #include "identify/motion/parallel.hpp"
-#include "identify/problem/rigid_matrices.hpp"
+#include "identify/problem/open_loop_run.hpp"
 #include "models/bryant.hpp"
 #include "models/error.hpp"
 

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "identify/diagnose/free_error.hpp"
+#include "identify/diagnose/pass.hpp"
 #include "identify/updating/naming.hpp"
-#include "identify/updating/prediction.hpp"
-#include "identify/updating/remainder_place.hpp"
+#include "identify/updating/remainder.hpp"
 #include "identify/updating/test_problem.hpp"
 #include "models/error.hpp"
 

@@ -2,9 +2,9 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "models/beam/beam_response.hpp"
+#include "models/beam/beam.hpp"
 #include "models/error.hpp"
-#include "models/recording/csv_writer.hpp"
+#include "models/recording/recording_writer.hpp"
 
 int main(int argc, char** argv) {
     wems::Beam beam;

@@ -1,13 +1,98 @@
 #include "models/periodic/harmonic_balance.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
-#include "models/pi.hpp"
+#include "models/error.hpp"
+#include "models/mount_forces.hpp"
+#include "models/static_equilibrium.hpp"
+#include "models/units.hpp"
 
 namespace wems {
+
+namespace {
+
+bool isNonlinear(const AxisLaw& law) {
+    return !law.stops.empty() || law.cubic != 0 || (law.friction && law.friction->force > 0);
+}
+
+}  // namespace
+
+NonlinearAxis::NonlinearAxis(int connection, int axis, const AxisForce& force, double rest)
+    : connection_(connection), axis_(axis), force_(force), rest_(rest) {
+    const std::array<double, kMostStates> relaxed = [&] {
+        std::array<double, kMostStates> z{};
+        z.fill(rest);
+        return z;
+    }();
+    rest_force_ = force.calcStaticForce(rest);
+    stiffness_ = force.calcStaticStiffness(rest);
+    damping_ = force.calcDamping(rest, 0, 0, relaxed.data());
+    for (const MaxwellBranch& branch : force.branches()) branches_ += branch.stiffness;
+}
+
+NonlinearAxis::Value NonlinearAxis::calcValue(double q, double v, double half) const {
+    // Branches whose dashpots follow q carry nothing: they belong to the linear part.
+    std::array<double, kMostStates> relaxed{};
+    relaxed.fill(rest_ + q);
+    const double* z = relaxed.data();
+    Value value{force_.calcForce(rest_ + q, v, 0, z) - rest_force_ - stiffness_ * q - damping_ * v,
+                force_.calcStiffness(rest_ + q, v, 0, z) - branches_ - stiffness_,
+                force_.calcDamping(rest_ + q, v, 0, z) - damping_};
+    const double w = std::abs(v) * half;
+    for (const Stop& stop : force_.law().stops) {
+        const double direction = stop.side == Side::positive ? 1 : -1;
+        const double depth = direction * (rest_ + q + force_.law().offset) - stop.clearance;
+        if (!(std::abs(depth) < w)) continue;
+        // What the mean has beyond max(0, depth), and its derivatives by depth and w.
+        const double beyond = (depth + w) * (depth + w) / (4 * w) - std::max(0.0, depth);
+        const double by_depth = (depth + w) / (2 * w) - (depth > 0 ? 1 : 0);
+        const double by_w = (depth + w) * (w - depth) / (4 * w * w);
+        const double factor = 1 + stop.dissipation * direction * v;
+        const double k = direction * stop.stiffness * std::max(0.0, factor);
+        value.force += k * beyond;
+        value.stiffness += k * direction * by_depth;
+        value.damping += k * by_w * half * (v < 0 ? -1 : 1);
+        if (factor > 0) value.damping += stop.stiffness * stop.dissipation * beyond;
+    }
+    return value;
+}
+
+PeriodicSystem::PeriodicSystem(const MountModel& model, const HarmonicInput& input)
+    : model_(model), input_(input), linear_(linearizeExactly(model)), rest_(findStaticSag(model).relative) {
+    const MountForces laws(model);
+    for (int i = 0; i < laws.connectionCount(); ++i)
+        for (int k = 0; k < 3; ++k) {
+            const AxisForce& force = laws.axis(i, k);
+            const std::string place = "connection[" + std::to_string(i) + "]." + "xyz"[k];
+            if (force.shape().bristle)
+                throw InputError({"", 0, place + ".friction"},
+                                 "has presliding, whose force depends on all that went before",
+                                 "friction without presliding_stiffness, or a simulation in time");
+            if (force.shape().hystereses > 0)
+                throw InputError({"", 0, place + (force.law().hysteresis ? ".hysteresis" : ".sliders")},
+                                 "its force depends on all that went before",
+                                 "a law without it, or a simulation in time");
+            if (isNonlinear(force.law())) axes_.emplace_back(i, k, force, rest_(k, i));
+        }
+    // A linear model is answered by the same methods: one axis, which adds nothing.
+    if (axes_.empty()) axes_.emplace_back(0, 2, laws.axis(0, 2), rest_(2, 0));
+    rows_.resize(axes_.size(), linear_.mass.rows());
+    for (std::size_t a = 0; a < axes_.size(); ++a)
+        rows_.row(a) = linear_.ends[axes_[a].connection()].row(axes_[a].axis());
+}
+
+Eigen::VectorXd PeriodicSystem::calcForce(double frequency) const {
+    Eigen::Vector3d load = input_.load;
+    if (model_.load) load = calcLoadGains(*model_.load, frequency).cwiseProduct(load);
+    return linear_.load * load + linear_.base * input_.base;
+}
+
 namespace {
 
 using Complex = std::complex<double>;
@@ -164,6 +249,113 @@ HarmonicBalance::History HarmonicBalance::calcHistory(const Eigen::VectorXd& Q, 
     Eigen::MatrixXd basis, slope;
     fillBasis(harmonics_, samples(), shift, basis, slope);
     return {basis * own, kTwoPi * frequency * (slope * own)};
+}
+
+namespace {
+
+/// One step of the implicit midpoint rule for many disturbances at once. With v_m the mean velocity of the step and
+/// a = h/2τ for each branch (its stiffness g acting on q − z):
+///
+///     [2M + hC + h²/2 (K + Σ g/(1+a) JᵀJ)] v_m = 2M v − h (K x + Σ g/(1+a) Jᵀ(J x − z))
+///     v⁺ = 2 v_m − v,   x⁺ = x + h v_m,   z⁺ = 2 z_m − z,   z_m = (z + a J (x + h v_m/2))/(1 + a)
+class Midpoint {
+public:
+    Midpoint(const LinearSystem& system, double step) : system_(system), step_(step) {
+        const Eigen::Index states = system.branches.size();
+        branch_rows_.resize(states, system.mass.rows());
+        weight_.resize(states);
+        ratio_.resize(states);
+        for (Eigen::Index s = 0; s < states; ++s) {
+            const LinearBranch& b = system.branches[s];
+            branch_rows_.row(s) = system.ends[b.connection].row(b.axis);
+            ratio_[s] = step / (2 * b.branch.time_constant);
+            weight_[s] = b.branch.stiffness / (1 + ratio_[s]);
+        }
+        branch_stiffness_ = branch_rows_.transpose() * weight_.asDiagonal() * branch_rows_;
+        setStops(Eigen::MatrixXd::Zero(system.mass.rows(), system.mass.rows()),
+                 Eigen::MatrixXd::Zero(system.mass.rows(), system.mass.rows()));
+    }
+
+    /// What acts beside the linear system from now on.
+    void setStops(const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& damping) {
+        stiffness_ = system_.stiffness + stiffness;
+        matrix_.compute(2 * system_.mass + step_ * (system_.damping + damping) +
+                        0.5 * step_ * step_ * (stiffness_ + branch_stiffness_));
+    }
+
+    void advance(Eigen::MatrixXd& x, Eigen::MatrixXd& v, Eigen::MatrixXd& z) const {
+        const bool branches = z.rows() > 0;
+        Eigen::MatrixXd right = 2 * system_.mass * v - step_ * (stiffness_ * x);
+        if (branches) right -= step_ * (branch_rows_.transpose() * (weight_.asDiagonal() * (branch_rows_ * x - z)));
+        const Eigen::MatrixXd mean = matrix_.solve(right);
+        if (branches) {
+            const Eigen::MatrixXd q = branch_rows_ * (x + 0.5 * step_ * mean);
+            const Eigen::ArrayXd share = (1 + ratio_.array()).inverse();
+            z = 2 * (share.matrix().asDiagonal() * (z + ratio_.asDiagonal() * q)) - z;
+        }
+        x += step_ * mean;
+        v = 2 * mean - v;
+    }
+
+private:
+    const LinearSystem& system_;
+    double step_;
+    Eigen::MatrixXd branch_rows_, branch_stiffness_, stiffness_;
+    Eigen::VectorXd weight_, ratio_;
+    Eigen::PartialPivLU<Eigen::MatrixXd> matrix_;
+};
+
+}  // namespace
+
+Eigen::VectorXcd calcFloquetMultipliers(const HarmonicBalance& balance, const Eigen::VectorXd& Q, double frequency) {
+    const PeriodicSystem& system = balance.system();
+    const Eigen::MatrixXd& J = system.rows();
+    const Eigen::Index count = balance.samples(), axes = J.rows(), n = J.cols();
+    Eigen::MatrixXd stiffness(axes, count), damping(axes, count);  // at the middle of each step
+    for (Eigen::Index a = 0; a < axes; ++a) {
+        const HarmonicBalance::History history = balance.calcHistory(Q, frequency, a, 0.5);
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const auto value = system.axes()[a].calcValue(history.q[i], history.v[i], balance.halfCell(frequency));
+            stiffness(a, i) = value.stiffness;
+            damping(a, i) = value.damping;
+        }
+    }
+    const Eigen::Index states = system.linear().branches.size();
+    const Eigen::Index size = 2 * n + states;
+    Eigen::MatrixXd x = Eigen::MatrixXd::Zero(n, size), v = x, z = Eigen::MatrixXd::Zero(states, size);
+    x.leftCols(n).setIdentity();
+    v.middleCols(n, n).setIdentity();
+    z.rightCols(states).setIdentity();
+    Midpoint midpoint(system.linear(), 1 / (frequency * static_cast<double>(count)));
+    Eigen::VectorXd last = Eigen::VectorXd::Zero(2 * axes), now(2 * axes);
+    const double rounding = 1e-9 * system.linear().stiffness.cwiseAbs().maxCoeff();
+    for (Eigen::Index i = 0; i < count; ++i) {
+        now << stiffness.col(i), damping.col(i);
+        if ((now - last).cwiseAbs().maxCoeff() > rounding) {
+            midpoint.setStops(J.transpose() * stiffness.col(i).asDiagonal() * J,
+                              J.transpose() * damping.col(i).asDiagonal() * J);
+            last = now;
+        }
+        midpoint.advance(x, v, z);
+    }
+    // Balanced: velocities in units of the motion's frequency.
+    const double unit = kTwoPi * frequency;
+    Eigen::MatrixXd map(size, size);
+    map << x, v / unit, z;
+    map.middleCols(n, n) *= unit;
+    Eigen::VectorXcd multipliers = map.eigenvalues();
+    std::sort(multipliers.begin(), multipliers.end(),
+              [](const auto& a, const auto& b) { return std::abs(a) > std::abs(b); });
+    return multipliers;
+}
+
+Instability findInstability(const Eigen::VectorXcd& multipliers) {
+    // Coordinates that nothing holds keep their disturbance: multipliers 1 within rounding are no instability.
+    constexpr double neutral = 1e-5;
+    if (!(std::abs(multipliers[0]) > 1 + neutral)) return Instability::none;
+    constexpr double real = 1e-6;
+    if (std::abs(multipliers[0].imag()) > real) return Instability::neimark_sacker;
+    return multipliers[0].real() > 0 ? Instability::real : Instability::period_doubling;
 }
 
 }  // namespace wems

@@ -7,8 +7,7 @@
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/periodic/continuation.hpp"
-#include "models/periodic/detached_curves.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "models/periodic/floquet.hpp"
+#include "models/periodic/harmonic_balance.hpp"
 
 namespace wems {
 
@@ -50,7 +50,7 @@ struct ResponseCurve {
     std::string incomplete;  ///< why the curve ends before it has crossed the band; empty if it has
     int harmonics = 0;
     double seconds = 0;  ///< of processor time
-    /// Curves that are not connected with this one within the band (detached_curves.hpp says which are found).
+    /// Curves that are not connected with this one within the band (continuation.hpp says which are found).
     std::vector<ResponseCurve> detached;
 };
 

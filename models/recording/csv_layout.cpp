@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "models/error.hpp"
-#include "models/recording/column_selection.hpp"
-#include "models/recording/utf8.hpp"
+#include "models/recording/column_map.hpp"
+#include "models/recording/text_file.hpp"
 #include "models/units.hpp"
 
 namespace wems {

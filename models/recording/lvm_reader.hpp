@@ -16,7 +16,9 @@
 #include <vector>
 
 #include "models/recording/line_cursor.hpp"
+#include "models/recording/recording_stream.hpp"
 #include "models/recording/recording_table.hpp"
+#include "models/recording/text_file.hpp"
 
 namespace wems {
 
@@ -58,5 +60,27 @@ std::string describePackets(const LvmRowForm& form);
 /// Header and rows.
 /// @throws InputError with file and line
 RecordingTable readLvm(std::string_view text, const std::string& file);
+
+// Rows of LabVIEW's text measurement file.
+
+/// A `.lvm`, a few thousand rows at a time.
+class LvmRows : public RowSource {
+public:
+    LvmRows(const std::string& file, const ColumnMap* map);
+
+    const Recording& header() const override { return plan_.recording; }
+    double expectedSamples() const override { return expected_samples_; }
+    bool append(Recording& rows) override;
+
+private:
+    bool exceedsPacket() const;
+
+    TextFile text_;
+    LineCursor lines_;
+    LvmRowForm form_;
+    TablePlan plan_;
+    double expected_samples_ = 0;
+    std::size_t samples_read_ = 0;
+};
 
 }  // namespace wems

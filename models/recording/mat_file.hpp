@@ -5,10 +5,34 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace wems {
+
+// Compressed data as they are without compression.
+
+/// What a zlib stream holds.
+struct Inflated {
+    std::string plain;      ///< as far as the stream goes
+    bool complete = false;  ///< the stream reached its end and its checksum is right
+};
+
+/// The memory taken is that of the result, at most 1032 times the stream (deflate's limit), whatever other numbers
+/// claim.
+Inflated inflateAll(std::string_view stream);
+
+// Whether what a MATLAB file says of its own sizes can be true.
+
+/// Walks through the elements of a file of version 4 or 5 without reading their values: each must lie within the one
+/// around it, and an array must not have more elements than bytes. matio believes such numbers and takes gigabytes of
+/// memory for a damaged file of a few kilobytes. Compressed variables are inflated for that, one at a time.
+///
+/// Source: MathWorks, MAT-File Format (R2023a), chapters 1 (version 5) and 2 (version 4).
+///
+/// @throws InputError: damaged, at which byte
+void checkMatExtent(std::string_view content, const std::string& file);
 
 /// An array of numbers that was left in its file.
 class StoredNumbers {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "models/recording/mat_file.hpp"
+#include "models/recording/recording_stream.hpp"
 #include "models/recording/recording_table.hpp"
 
 namespace wems {
@@ -47,5 +48,23 @@ RecordingTable takeValues(MatTable read);
 /// @param hdf5 true for version 7.3 and other HDF5 files
 /// @throws InputError
 RecordingTable readMat(const std::string& file, bool hdf5);
+
+// Rows of a MATLAB 7.3 or other HDF5 file.
+
+/// The arrays stay in the file, from which HDF5 reads a few thousand samples of each at a time. One that is compressed
+/// in pieces longer than 16 MB is slow, since a piece is then inflated anew for each of these parts.
+class Hdf5Rows : public RowSource {
+public:
+    Hdf5Rows(const std::string& file, const ColumnMap* map);
+
+    const Recording& header() const override { return plan_.recording; }
+    double expectedSamples() const override { return static_cast<double>(sample_count_); }
+    bool append(Recording& rows) override;
+
+private:
+    MatTable content_;
+    TablePlan plan_;
+    std::size_t sample_count_ = 0, samples_read_ = 0;
+};
 
 }  // namespace wems

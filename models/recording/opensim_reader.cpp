@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
-#include "models/axis_names.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/recording/line_cursor.hpp"
+#include "models/recording/text_file.hpp"
 
 namespace wems {
+
 namespace {
 
 constexpr const char* kSimmRows = "datarows";
@@ -192,6 +194,28 @@ RecordingTable readStorage(std::string_view text, const std::string& file) {
     table.values = readNumberRows(lines, table.columns.size(), file);
     checkEnd(table, lines, text);
     return table;
+}
+
+OpensimRows::OpensimRows(const std::string& file, const ColumnMap* map)
+    : text_(file, TextFile::Pages::as_needed), lines_(skipByteOrderMark(text_.view())) {
+    RecordingTable table = isTrc(lines_.rest()) ? readTrcHeader(lines_, file) : readStorageHeader(lines_, file);
+    column_count_ = table.columns.size();
+    plan_ = planTable(table, map);
+    if (text_.view().back() != '\n') plan_.recording.warnings.emplace_back(kNoLineEnd);
+    expected_samples_ = estimateRows(lines_.rest());
+}
+
+bool OpensimRows::append(Recording& rows) {
+    if (lines_.atEnd()) {
+        checkRowCount(plan_.recording.file, plan_.recording.metadata, lines_.line(), rows_read_);
+        return false;
+    }
+    auto values = readNumberRows(lines_, column_count_, plan_.recording.file, kRowsAtOnce);
+    rows_read_ += values.front().size();
+    for (std::size_t k = 0; k < plan_.columns.size(); ++k)
+        appendValues(plan_, k, std::move(values[plan_.columns[k].index]), rows);
+    text_.release();
+    return true;
 }
 
 }  // namespace wems

@@ -16,7 +16,9 @@
 #include <string_view>
 
 #include "models/recording/line_cursor.hpp"
+#include "models/recording/recording_stream.hpp"
 #include "models/recording/recording_table.hpp"
+#include "models/recording/text_file.hpp"
 
 namespace wems {
 
@@ -44,5 +46,26 @@ void checkRowCount(const std::string& file, const Metadata& metadata, long last_
 /// Warning of a text whose last row has no line end.
 inline constexpr const char* kNoLineEnd =
     "the last row has no line end: the file may be cut, and its last number may lack digits";
+
+// Rows of OpenSim's text formats.
+
+/// A `.trc`, `.sto` or `.mot`, a few thousand rows at a time.
+class OpensimRows : public RowSource {
+public:
+    OpensimRows(const std::string& file, const ColumnMap* map);
+
+    const Recording& header() const override { return plan_.recording; }
+    double expectedSamples() const override { return expected_samples_; }
+    bool hasPositions() const override { return plan_.positions; }
+    bool append(Recording& rows) override;
+
+private:
+    TextFile text_;
+    LineCursor lines_;
+    TablePlan plan_;
+    std::size_t column_count_ = 0;  // in the file
+    std::size_t rows_read_ = 0;
+    double expected_samples_ = 0;
+};
 
 }  // namespace wems

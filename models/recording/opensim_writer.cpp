@@ -6,7 +6,7 @@
 
 #include "models/error.hpp"
 #include "models/format_number.hpp"
-#include "models/recording/number_writer.hpp"
+#include "models/recording/recording_writer.hpp"
 
 namespace wems {
 namespace {

@@ -13,7 +13,6 @@
 
 #include <vector>
 
-#include "models/recording/finding.hpp"
 #include "models/recording/recording.hpp"
 
 namespace wems {

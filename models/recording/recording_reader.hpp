@@ -2,12 +2,37 @@
 /// Recordings from files of any format that is read; the folder's README describes each.
 #pragma once
 
+#include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording.hpp"
+#include "models/recording/recording_stream.hpp"
+#include "models/recording/recording_table.hpp"
 
 namespace wems {
+
+// The text formats other than CSV, each told once: what a file is, how it is read, and what the name of a file
+// promises follow from this table.
+
+struct TextFormat {
+    /// True if a text begins as a file of this format does.
+    bool (*recognises)(std::string_view text);
+    /// @throws InputError with file and line
+    RecordingTable (*read)(std::string_view text, const std::string& file);
+    /// The same row by row, for recordings longer than memory.
+    std::unique_ptr<RowSource> (*open)(const std::string& file, const ColumnMap* map);
+    std::vector<std::string> extensions;  ///< that promise this format, in lower case; may be none
+    const char* beginning;                ///< how a file begins, for the message about one that does not
+};
+
+/// In the order in which they are tried.
+const std::vector<TextFormat>& textFormats();
+
+/// The format that a text begins as; nullptr if it is none of them.
+const TextFormat* findTextFormat(std::string_view text);
 
 /// For the helps of commands.
 inline constexpr const char* kReadableFormats = "CSV, MATLAB, UFF 58, OpenSim, LabVIEW .lvm, JSON";

@@ -6,7 +6,7 @@
 
 #include "models/error.hpp"
 #include "models/recording/recording_checks.hpp"
-#include "models/recording/utf8.hpp"
+#include "models/recording/text_file.hpp"
 
 namespace wems {
 namespace {

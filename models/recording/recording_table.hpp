@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "models/recording/column_selection.hpp"
+#include "models/recording/column_map.hpp"
 #include "models/recording/recording.hpp"
 
 namespace wems {

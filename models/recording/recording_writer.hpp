@@ -14,6 +14,20 @@
 
 namespace wems {
 
+// Numbers of recordings as text: what the writers of text formats share.
+
+inline constexpr int kTimeDigits = 12;                           // of the time column at least
+inline constexpr std::size_t kFlushSize = std::size_t{1} << 20;  // bytes of text that are written at once
+
+/// Appends with so many significant digits; nothing for a NaN, which is a gap. Throws std::invalid_argument if
+/// infinite.
+void appendNumber(double value, int digits, std::string& text);
+
+/// The parts of the channel's name. Throws std::invalid_argument if it is none.
+ChannelName parseValidName(const Channel& channel);
+/// Throws std::invalid_argument unless there are so many channels, each as long as time.
+void checkRows(const Recording& rows, std::size_t channel_count);
+
 struct WriteOptions {
     int digits = 9;  ///< significant digits of values, 1 to 17; time has at least 12
     /// Rest positions in ground axes, m, by connection: .trc holds positions. A connection that is not here is at 0.
@@ -61,5 +75,28 @@ std::vector<std::string> writeRecording(const Recording& recording, const std::s
 /// The same as one of the files that a command writes.
 std::vector<std::string> writeRecording(const Recording& recording, const std::string& file,
                                         const WriteOptions& options, OutputFiles& outputs);
+
+// Recordings to CSV files.
+
+/// Writes metadata lines, a header row and the samples: comma, decimal point, LF. Values are written in the channel's
+/// unit (SI if it has none) with `digits` significant digits, time in s with at least 12; NaN becomes an empty field.
+/// It reads back to the same numbers to the digits printed.
+class CsvWriter : public RecordingWriter {
+public:
+    /// @param digits 1 to 17
+    /// Exceptions as openRecordingWriter().
+    CsvWriter(const Recording& header, const std::string& file, int digits);
+
+    void append(const Recording& rows) override;
+    std::unique_ptr<AtomicFile> finish() override;
+
+private:
+    int digits_;
+    std::vector<double> unit_factors_;  // one for each channel
+    std::unique_ptr<AtomicFile> file_;
+};
+
+/// A whole recording. The file is complete or not there. Exceptions as writeRecording().
+void writeCsv(const Recording& recording, const std::string& file, int digits = 9);
 
 }  // namespace wems

@@ -13,6 +13,7 @@
 #include "models/error.hpp"
 
 namespace wems {
+
 namespace {
 
 /// @param expected bytes; more are read where there are more

@@ -23,6 +23,6 @@ embed(surfaceScript "${SOURCE}/surface.js" surface_script)
 embed(exportScript "${SOURCE}/export.js" export_script)
 embed(pageScript "${SOURCE}/page.js" page_script)
 embed(pageStyle "${SOURCE}/page.css" page_style)
-file(WRITE "${OUTPUT}" "#include \"models/report/assets.hpp\"\n\nnamespace wems::report_assets {\n\n"
+file(WRITE "${OUTPUT}" "#include \"models/report/html_text.hpp\"\n\nnamespace wems::report_assets {\n\n"
   "${dygraphs_script}" "${dygraphs_style}" "${three_script}" "${orbit_controls_script}" "${stage_script}"
   "${animation_script}" "${surface_script}" "${export_script}" "${page_script}" "${page_style}" "}  // namespace wems::report_assets\n")

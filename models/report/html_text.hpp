@@ -16,3 +16,20 @@ std::string quoteScript(const std::string& text);
 std::string formatScriptNumber(double value);
 
 }  // namespace wems
+
+namespace wems::report_assets {
+
+// Text of the front-end assets, put into the library at build time.
+
+std::string dygraphsScript();
+std::string dygraphsStyle();
+std::string threeScript();
+std::string orbitControlsScript();
+std::string stageScript();
+std::string animationScript();
+std::string surfaceScript();
+std::string exportScript();
+std::string pageScript();
+std::string pageStyle();
+
+}  // namespace wems::report_assets

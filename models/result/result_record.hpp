@@ -13,6 +13,7 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,12 @@
 #include "models/recording/column_map.hpp"
 
 namespace wems {
+
+// What tells a file that was read from another one of the same name.
+
+/// SHA-256 of a file's bytes (FIPS 180-4), 64 hexadecimal digits. Nothing for what cannot be read a second time: a
+/// pipe, a device, a file that is gone.
+std::optional<std::string> calcChecksum(const std::string& file);
 
 /// Of the layout of all results.
 inline constexpr int kResultVersion = 2;

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "identify/python/follow.hpp"
+#include "identify/python/bindings.hpp"
 #include "models/error.hpp"
 #include "models/recording/recording.hpp"
-#include "plugin/linear_command.hpp"
+#include "plugin/linear_analysis.hpp"
 #include "plugin/prescribed_motion.hpp"
 #include "plugin/response_command.hpp"
 #include "plugin/run_settings.hpp"

@@ -11,8 +11,8 @@
 #include <string>
 
 #include "models/recording/csv_reader.hpp"
-#include "models/recording/csv_writer.hpp"
 #include "models/recording/recording_reader.hpp"
+#include "models/recording/recording_writer.hpp"
 
 namespace {
 

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <random>
 
-#include "identify/component/law_selection.hpp"
-#include "identify/component/non_negative.hpp"
-#include "models/pi.hpp"
+#include "identify/component/block_regression.hpp"
+#include "identify/component/component_diagnosis.hpp"
 #include "models/sampled_motion.hpp"
+#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

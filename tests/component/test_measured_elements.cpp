@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "identify/component/component_fit.hpp"
-#include "identify/component/surface_kind.hpp"
+#include "identify/component/surface.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording_reader.hpp"
 

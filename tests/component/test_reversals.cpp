@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "identify/component/reversals.hpp"
-#include "models/pi.hpp"
+#include "identify/component/component_data.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "identify/component/surface_grid.hpp"
-#include "identify/component/surface_kind.hpp"
+#include "identify/component/surface.hpp"
 #include "tests/component/synthetic_test.hpp"
 #include "tests/sanitized.hpp"
 #include "tests/seed.hpp"

@@ -5,7 +5,7 @@
 
 #include "identify/forward/forward_model.hpp"
 #include "models/excitation.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify::testing {
 namespace {

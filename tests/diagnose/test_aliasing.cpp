@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "identify/problem/aliasing.hpp"
-#include "models/pi.hpp"
+#include "identify/problem/fourier.hpp"
+#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems::identify;

@@ -3,11 +3,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "identify/diagnose/cause_report.hpp"
-#include "identify/diagnose/channel_correction.hpp"
-#include "identify/diagnose/knob.hpp"
+#include "identify/diagnose/catalogue.hpp"
+#include "identify/diagnose/channel_faults.hpp"
+#include "identify/diagnose/diagnosis.hpp"
 #include "models/parameter_access.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 using namespace wems;
 using namespace wems::identify;

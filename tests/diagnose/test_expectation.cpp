@@ -2,7 +2,6 @@
 #include <random>
 
 #include "identify/diagnose/expectation.hpp"
-#include "identify/diagnose/free_error.hpp"
 #include "identify/diagnose/open_loop_problem.hpp"
 #include "identify/diagnose/pass.hpp"
 #include "models/parameter_access.hpp"

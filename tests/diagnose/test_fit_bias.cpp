@@ -2,10 +2,9 @@
 #include <cmath>
 #include <random>
 
-#include "identify/diagnose/fit_bias.hpp"
+#include "identify/diagnose/expectation.hpp"
 #include "identify/diagnose/open_loop_problem.hpp"
-#include "identify/diagnose/parameter_fit.hpp"
-#include "identify/diagnose/simulated_recording.hpp"
+#include "identify/diagnose/trial_fits.hpp"
 #include "identify/motion/motion.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/diagnose/hidden_device.hpp"

@@ -3,9 +3,9 @@
 #include <complex>
 #include <random>
 
-#include "identify/problem/sliding_friction.hpp"
-#include "identify/problem/velocity_noise.hpp"
-#include "models/pi.hpp"
+#include "identify/problem/mount_equation.hpp"
+#include "identify/problem/noise_density.hpp"
+#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems::identify;

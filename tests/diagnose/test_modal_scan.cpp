@@ -2,8 +2,8 @@
 #include <cmath>
 #include <random>
 
-#include "identify/diagnose/modal_scan.hpp"
-#include "models/pi.hpp"
+#include "identify/diagnose/missing_mode.hpp"
+#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "identify/fit/fit.hpp"
-#include "identify/fit/run_equations.hpp"
-#include "models/pi.hpp"
+#include "identify/fit/stored_equations.hpp"
+#include "models/units.hpp"
 #include "tests/fit/synthetic_run.hpp"
 #include "tests/seed.hpp"
 

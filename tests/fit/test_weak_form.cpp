@@ -6,11 +6,10 @@
 #include <numeric>
 #include <random>
 
-#include "identify/fit/drag.hpp"
-#include "identify/fit/stop_columns.hpp"
-#include "identify/fit/student.hpp"
-#include "identify/fit/test_function.hpp"
-#include "models/pi.hpp"
+#include "identify/fit/equation_of_motion.hpp"
+#include "identify/fit/intervals.hpp"
+#include "identify/fit/law_history.hpp"
+#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::test {
 

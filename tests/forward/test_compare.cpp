@@ -5,7 +5,7 @@
 #include "identify/forward/compare.hpp"
 #include "models/error.hpp"
 #include "models/excitation.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/forward/forward_fixture.hpp"
 
 using namespace wems;

@@ -4,7 +4,7 @@
 
 #include "models/error.hpp"
 #include "models/excitation.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/forward/forward_fixture.hpp"
 
 using namespace wems;

@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "identify/forward/compare.hpp"
 #include "identify/forward/initial_state.hpp"
 #include "identify/forward/relative_displacement.hpp"
-#include "identify/forward/simulation_error.hpp"
 #include "models/bryant.hpp"
 #include "tests/forward/forward_fixture.hpp"
 

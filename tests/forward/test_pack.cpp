@@ -5,8 +5,7 @@
 #include <random>
 
 #include "identify/forward/pack.hpp"
-#include "identify/forward/small_matrix.hpp"
-#include "models/number_functions.hpp"
+#include "models/hysteresis_terms.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "identify/forward/sensitivity.hpp"
+#include "identify/forward/ensemble.hpp"
 #include "models/error.hpp"
 #include "tests/forward/forward_fixture.hpp"
 

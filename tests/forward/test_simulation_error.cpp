@@ -1,7 +1,7 @@
 // The error of a free simulation, of the model that made the recording: nothing but what the recording leaves out.
 #include <catch2/catch.hpp>
 
-#include "identify/forward/simulation_error.hpp"
+#include "identify/forward/compare.hpp"
 #include "models/excitation.hpp"
 #include "tests/forward/forward_fixture.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "models/error.hpp"
 #include "models/recording/column_map.hpp"
+#include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_table.hpp"
-#include "models/recording/text_formats.hpp"
 #include "tests/fuzz/promises.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -10,7 +10,6 @@
 #include <string_view>
 
 #include "models/error.hpp"
-#include "models/recording/mat_extent.hpp"
 #include "models/recording/mat_file.hpp"
 #include "models/recording/mat_reader.hpp"
 #include "tests/fuzz/promises.hpp"

@@ -7,7 +7,6 @@
 
 #include "identify/forward/step_size.hpp"
 #include "models/bracket.hpp"
-#include "models/load_gain.hpp"
 #include "models/mount_forces.hpp"
 
 namespace wems::hidden {

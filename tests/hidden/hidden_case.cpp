@@ -10,8 +10,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "models/bracket_modes.hpp"
-#include "models/recording/csv_writer.hpp"
+#include "models/bracket.hpp"
+#include "models/recording/recording_writer.hpp"
 #include "tests/hidden/case_text.hpp"
 #include "tests/hidden/hidden_recording.hpp"
 #include "tests/hidden/time_scale.hpp"

@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "identify/problem/fourier.hpp"
-#include "models/axis_names.hpp"
 #include "models/bryant.hpp"
-#include "models/pi.hpp"
+#include "models/format_number.hpp"
+#include "models/units.hpp"
 #include "tests/hidden/time_scale.hpp"
 
 namespace wems::hidden {

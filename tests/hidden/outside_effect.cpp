@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::hidden {
 

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "models/excitation.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::hidden {
 namespace {

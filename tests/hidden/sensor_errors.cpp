@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::hidden {
 namespace {

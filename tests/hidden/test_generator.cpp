@@ -4,7 +4,7 @@
 #include <random>
 
 #include "models/parameter_access.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/hidden/hidden_recording.hpp"
 #include "tests/hidden/time_scale.hpp"
 #include "tests/seed.hpp"

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <set>
 
-#include "models/axis_names.hpp"
 #include "models/bryant.hpp"
-#include "models/pi.hpp"
+#include "models/format_number.hpp"
+#include "models/units.hpp"
 #include "tests/hidden/device_motion.hpp"
 #include "tests/hidden/random_case.hpp"
 

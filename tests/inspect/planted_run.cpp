@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::test {
 namespace {

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "identify/inspect/inspection.hpp"
-#include "identify/inspect/plateaus.hpp"
-#include "identify/motion/uniform_time.hpp"
+#include "identify/inspect/order_tracking.hpp"
+#include "identify/motion/motion.hpp"
 #include "models/recording/recording_checks.hpp"
 #include "tests/inspect/planted_run.hpp"
 #include "tests/seed.hpp"

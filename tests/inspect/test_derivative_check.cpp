@@ -3,8 +3,8 @@
 #include <cmath>
 #include <random>
 
-#include "identify/inspect/derivative_check.hpp"
-#include "models/pi.hpp"
+#include "identify/inspect/quality.hpp"
+#include "models/units.hpp"
 
 using namespace wems;
 using namespace wems::identify;

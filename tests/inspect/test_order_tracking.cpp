@@ -4,7 +4,7 @@
 #include <random>
 
 #include "identify/inspect/order_tracking.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {}  // namespace

@@ -5,9 +5,8 @@
 #include <random>
 
 #include "identify/merge/merge.hpp"
-#include "identify/merge/resampling.hpp"
 #include "models/error.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 namespace wems::identify {

@@ -3,8 +3,6 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "models/admissible_model.hpp"
-#include "models/body_inertia.hpp"
 #include "models/mount_model.hpp"
 #include "tests/seed.hpp"
 

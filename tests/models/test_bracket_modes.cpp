@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "models/bracket_modes.hpp"
+#include "models/bracket.hpp"
 #include "models/error.hpp"
 
 using namespace wems;

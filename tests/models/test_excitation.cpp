@@ -7,7 +7,7 @@
 
 #include "models/error.hpp"
 #include "models/excitation.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 using namespace wems;
 

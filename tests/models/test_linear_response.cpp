@@ -8,8 +8,7 @@
 #include "models/damped_modes.hpp"
 #include "models/error.hpp"
 #include "models/linear_response.hpp"
-#include "models/pi.hpp"
-#include "models/random_response.hpp"
+#include "models/units.hpp"
 #include "tests/models/oscillator.hpp"
 #include "tests/plugin/sample_models.hpp"
 

@@ -13,7 +13,7 @@
 #include "models/error.hpp"
 #include "models/law_equality.hpp"
 #include "models/mount_forces.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/models/random_values.hpp"
 
 using namespace wems;

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "models/error.hpp"
-#include "models/pi.hpp"
-#include "models/shock_synthesis.hpp"
+#include "models/shock.hpp"
+#include "models/units.hpp"
 
 using namespace wems;
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
-#include "models/pi.hpp"
 #include "models/sampled_motion.hpp"
+#include "models/units.hpp"
 #include "tests/models/random_values.hpp"
 #include "tests/seed.hpp"
 

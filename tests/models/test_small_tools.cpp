@@ -7,18 +7,18 @@
 #include <limits>
 #include <random>
 
+#include "models/axis_law.hpp"
 #include "models/error.hpp"
 #include "models/format_number.hpp"
-#include "models/load_point.hpp"
-#include "models/number_functions.hpp"
+#include "models/hysteresis_terms.hpp"
+#include "models/mount_forces.hpp"
 #include "models/parameter_access.hpp"
 #include "models/parameter_name.hpp"
-#include "models/pi.hpp"
 #include "models/power_spectrum.hpp"
 #include "models/report/html_text.hpp"
-#include "models/static_sag.hpp"
-#include "models/structural_damping.hpp"
+#include "models/static_equilibrium.hpp"
 #include "models/text_table.hpp"
+#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

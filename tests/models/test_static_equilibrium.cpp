@@ -3,7 +3,7 @@
 
 #include "models/error.hpp"
 #include "models/mount_forces.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/models/random_values.hpp"
 
 using namespace wems;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "models/axis_law.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 using namespace wems;
 

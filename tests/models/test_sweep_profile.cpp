@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "models/error.hpp"
-#include "models/pi.hpp"
 #include "models/sweep_profile.hpp"
+#include "models/units.hpp"
 
 using namespace wems;
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "models/bryant.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 namespace wems::test {
 namespace {}  // namespace

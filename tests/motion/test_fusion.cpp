@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "identify/motion/fusion.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 namespace wems::identify {

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "identify/motion/rotation_rates.hpp"
+#include "identify/motion/differentiation.hpp"
 #include "models/bryant.hpp"
 #include "tests/seed.hpp"
 

@@ -8,11 +8,10 @@
 #include <stdexcept>
 
 #include "identify/motion/differentiation.hpp"
-#include "identify/motion/median.hpp"
 #include "identify/motion/noise_estimate.hpp"
 #include "identify/motion/parallel.hpp"
-#include "identify/motion/tones.hpp"
-#include "models/pi.hpp"
+#include "identify/motion/spectrum.hpp"
+#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

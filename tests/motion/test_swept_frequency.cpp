@@ -8,7 +8,7 @@
 
 #include "identify/motion/swept_frequency.hpp"
 #include "models/excitation.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/motion/analytic_motion.hpp"
 #include "tests/seed.hpp"
 

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "identify/paper/beam_tip.hpp"
-#include "models/beam/beam_response.hpp"
+#include "models/beam/beam.hpp"
 #include "models/error.hpp"
-#include "models/recording/csv_writer.hpp"
 #include "models/recording/recording_reader.hpp"
+#include "models/recording/recording_writer.hpp"
 #include "tests/cli/run_program.hpp"
 
 namespace wems {

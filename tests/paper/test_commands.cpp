@@ -1,8 +1,8 @@
 // The commands as a user calls them: one-axis regression and beam, from files to JSON, and what is refused.
 #include <catch2/catch.hpp>
 
-#include "models/beam/beam_response.hpp"
-#include "models/recording/csv_writer.hpp"
+#include "models/beam/beam.hpp"
+#include "models/recording/recording_writer.hpp"
 #include "tests/cli/run_program.hpp"
 #include "tests/fit/synthetic_run.hpp"
 

@@ -6,7 +6,7 @@
 #include <complex>
 
 #include "models/periodic/response_curve.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/models/oscillator.hpp"
 
 using namespace wems;

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "models/damped_modes.hpp"
-#include "models/periodic/floquet.hpp"
-#include "models/pi.hpp"
+#include "models/periodic/harmonic_balance.hpp"
+#include "models/units.hpp"
 #include "tests/models/oscillator.hpp"
 #include "tests/plugin/sample_models.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "models/error.hpp"
 #include "models/periodic/response_curve.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/models/oscillator.hpp"
 #include "tests/plugin/sample_models.hpp"
 

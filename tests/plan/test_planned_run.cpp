@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "identify/plan/planned_run.hpp"
+#include "identify/plan/test_setup.hpp"
 #include "tests/seed.hpp"
 
 namespace wems::identify {

@@ -5,7 +5,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "models/excitation.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "plugin/base_motion.hpp"
 
 using namespace wems;

@@ -4,13 +4,13 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "identify/forward/compare.hpp"
 #include "identify/forward/forward_model.hpp"
 #include "identify/forward/relative_displacement.hpp"
-#include "identify/forward/simulation_error.hpp"
 #include "identify/forward/step_size.hpp"
 #include "models/guided_motion.hpp"
 #include "models/linear_modes.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "plugin/simulation.hpp"
 #include "tests/models/random_values.hpp"
 #include "tests/plugin/sample_models.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "models/linear_modes.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/plugin/sample_models.hpp"
 
 using namespace wems;

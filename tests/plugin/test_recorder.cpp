@@ -5,7 +5,7 @@
 
 #include "models/bryant.hpp"
 #include "models/error.hpp"
-#include "models/load_gain.hpp"
+#include "models/mount_forces.hpp"
 #include "plugin/run_estimate.hpp"
 #include "plugin/simulation.hpp"
 #include "tests/plugin/sample_models.hpp"

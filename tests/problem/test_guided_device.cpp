@@ -3,12 +3,11 @@
 #include <random>
 #include <string>
 
-#include "identify/diagnose/free_error.hpp"
-#include "identify/problem/load_wrench.hpp"
+#include "identify/diagnose/pass.hpp"
 #include "identify/problem/mount_equation.hpp"
 #include "identify/updating/test_problem.hpp"
 #include "models/axis_law.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

@@ -4,9 +4,9 @@
 #include <random>
 
 #include "identify/problem/mount_equation.hpp"
-#include "identify/problem/rigid_matrices.hpp"
+#include "identify/problem/open_loop_run.hpp"
 #include "identify/problem/slow_balance.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "identify/problem/smoothing_kernel.hpp"
-#include "models/pi.hpp"
+#include "identify/problem/fourier.hpp"
+#include "models/units.hpp"
 
 using namespace wems;
 using namespace wems::identify;

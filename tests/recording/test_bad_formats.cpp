@@ -12,7 +12,7 @@
 
 #include "models/error.hpp"
 #include "models/recording/lvm_reader.hpp"
-#include "models/recording/mat_extent.hpp"
+#include "models/recording/mat_file.hpp"
 #include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/uff_reader.hpp"

@@ -6,8 +6,8 @@
 
 #include "models/error.hpp"
 #include "models/recording/csv_reader.hpp"
-#include "models/recording/csv_writer.hpp"
 #include "models/recording/recording_reader.hpp"
+#include "models/recording/recording_writer.hpp"
 #include "tests/recording/temporary_file.hpp"
 
 using namespace wems;

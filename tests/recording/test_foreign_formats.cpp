@@ -8,7 +8,7 @@
 #include "models/recording/lvm_reader.hpp"
 #include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_reader.hpp"
-#include "models/recording/utf8.hpp"
+#include "models/recording/text_file.hpp"
 #include "tests/recording/hdf5_sample.hpp"
 #include "tests/recording/temporary_file.hpp"
 

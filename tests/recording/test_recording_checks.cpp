@@ -5,8 +5,8 @@
 #include <random>
 
 #include "models/error.hpp"
-#include "models/pi.hpp"
 #include "models/recording/recording_checks.hpp"
+#include "models/units.hpp"
 
 using namespace wems;
 using Catch::Contains;

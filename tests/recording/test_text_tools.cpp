@@ -8,10 +8,10 @@
 #include <stdexcept>
 
 #include "models/error.hpp"
-#include "models/recording/column_selection.hpp"
-#include "models/recording/inflate.hpp"
+#include "models/recording/column_map.hpp"
 #include "models/recording/line_cursor.hpp"
-#include "models/recording/number_writer.hpp"
+#include "models/recording/mat_file.hpp"
+#include "models/recording/recording_writer.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <random>
 
-#include "models/report/force_surface.hpp"
 #include "models/report/html_report.hpp"
 #include "tests/seed.hpp"
 

@@ -3,8 +3,7 @@
 #include <cmath>
 
 #include "identify/spectra/margins.hpp"
-#include "identify/spectra/spectra_peaks.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 using namespace wems;
 using namespace wems::identify;

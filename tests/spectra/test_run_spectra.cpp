@@ -7,7 +7,7 @@
 #include "models/error.hpp"
 #include "models/excitation.hpp"
 #include "models/linear_response.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 using namespace wems;
 using namespace wems::identify;

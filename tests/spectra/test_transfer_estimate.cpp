@@ -3,8 +3,8 @@
 #include <cmath>
 #include <random>
 
-#include "identify/spectra/transfer_estimate.hpp"
-#include "models/pi.hpp"
+#include "identify/spectra/welch.hpp"
+#include "models/units.hpp"
 
 using namespace wems;
 using namespace wems::identify;

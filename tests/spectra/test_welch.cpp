@@ -7,11 +7,9 @@
 #include <random>
 #include <sstream>
 
-#include "identify/spectra/distributions.hpp"
-#include "identify/spectra/transfer_estimate.hpp"
 #include "identify/spectra/welch.hpp"
 #include "models/error.hpp"
-#include "models/pi.hpp"
+#include "models/units.hpp"
 
 using namespace wems;
 using namespace wems::identify;
