@@ -1,9 +1,11 @@
-#include "identify/cli/recording_commands.hpp"
-
+// identify convert, identify merge: a recording is written, as data and as a page with its channels over time.
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "identify/cli/command.hpp"
 #include "identify/commands/inspect_output.hpp"
@@ -13,12 +15,21 @@
 #include "models/error.hpp"
 #include "models/format_number.hpp"
 #include "models/progress.hpp"
+#include "models/recording/recording.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_writer.hpp"
+#include "models/report/html_report.hpp"
 
 namespace wems::identify::cli {
 
 namespace {
+
+struct WrittenRecording {
+    const Recording& recording;
+    std::string file;                ///< as which it was written
+    std::string made;                ///< one line: what it was made of
+    std::vector<std::string> notes;  ///< what was noticed on the way
+};
 
 nlohmann::json makeRecordingJson(const WrittenRecording& written) {
     const Recording& recording = written.recording;
@@ -49,8 +60,9 @@ void addChannels(HtmlReport& page, const Recording& recording) {
     }
 }
 
-}  // namespace
-
+/// --json and --report, if they were asked for.
+/// @param record of the command
+/// @param pictures that come before those of the channels
 void reportWritten(const WrittenRecording& written, const ResultRecord& record, const std::vector<Plot>& pictures,
                    const CommonOptions& options, OutputFiles& outputs) {
     if (!options.json_file.empty()) {
@@ -71,6 +83,8 @@ void reportWritten(const WrittenRecording& written, const ResultRecord& record, 
     addChannels(page, written.recording);
     page.write(options.report_file, outputs);
 }
+
+}  // namespace
 
 // identify convert: a recording from any format that is read to any that is written.
 
