@@ -5,18 +5,16 @@
 #include <cmath>
 
 #include "identify/motion/noise_estimate.hpp"
+#include "identify/motion/real_transform.hpp"
 #include "identify/motion/rigid_fit.hpp"
-#include "identify/motion/spectrum.hpp"
 #include "models/units.hpp"
 
 namespace wems::identify {
 
 std::vector<std::vector<std::complex<double>>> transformSegments(const std::vector<double>& signal,
                                                                  std::size_t length) {
-    std::vector<double> block(length);
-    std::vector<std::complex<double>> spectrum(length / 2 + 1);
-    const FftwPlan plan(
-        fftw_plan_dft_r2c_1d(static_cast<int>(length), block.data(), asFftw(spectrum.data()), FFTW_ESTIMATE));
+    Eigen::VectorXd block(length);
+    const RealTransform transform(block.size());
     std::vector<std::vector<std::complex<double>>> segments;
     for (std::size_t start = 0; start + length <= signal.size(); start += length / 2) {
         for (std::size_t i = 0; i < length; ++i) {
@@ -24,8 +22,8 @@ std::vector<std::vector<std::complex<double>>> transformSegments(const std::vect
             const double value = signal[start + i];
             block[i] = std::isfinite(value) ? (0.5 - 0.5 * std::cos(phase)) * value : 0;
         }
-        fftw_execute(plan.get());
-        segments.push_back(spectrum);
+        const Eigen::VectorXcd bins = transform.forward(block);
+        segments.emplace_back(bins.begin(), bins.end());
     }
     return segments;
 }

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "identify/motion/motion.hpp"
-#include "identify/motion/spectrum.hpp"
+#include "identify/motion/real_transform.hpp"
 #include "models/error.hpp"
 #include "models/units.hpp"
 
@@ -75,40 +75,27 @@ namespace {
 constexpr int refinements = 6;
 constexpr std::size_t least_overlap = 64;  // samples
 
-using Complex = std::complex<double>;
-
 UniformSignal atRate(const UniformSignal& signal, double interval) {
     if (interval <= signal.interval * (1 + 1e-9)) return signal;
     const auto count = static_cast<std::size_t>((signal.end() - signal.start) / interval) + 1;
     return resample(signal, signal.start, interval, count);
 }
 
-std::vector<Complex> transform(const std::vector<double>& values, std::size_t length) {
-    double mean = 0;
-    for (const double v : values) mean += v / static_cast<double>(values.size());
-    std::vector<double> padded(length, 0.0);
-    for (std::size_t i = 0; i < values.size(); ++i) padded[i] = values[i] - mean;
-    std::vector<Complex> result(length / 2 + 1);
-    const FftwPlan plan(
-        fftw_plan_dft_r2c_1d(static_cast<int>(length), padded.data(), asFftw(result.data()), FFTW_ESTIMATE));
-    fftw_execute(plan.get());
-    return result;
+Eigen::VectorXd removeMean(const std::vector<double>& values) {
+    const Eigen::Map<const Eigen::VectorXd> all(values.data(), values.size());
+    return all.array() - all.mean();
 }
 
 /// Lag l, in samples, that maximises Σ a_k b_{k+l}.
 long findLag(const std::vector<double>& a, const std::vector<double>& b) {
-    std::size_t length = 1;
-    while (length < a.size() + b.size()) length *= 2;
-    auto product = transform(b, length);
-    const auto other = transform(a, length);
-    for (std::size_t i = 0; i < product.size(); ++i) product[i] *= std::conj(other[i]);
-    std::vector<double> correlation(length);
-    const FftwPlan plan(
-        fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(product.data()), correlation.data(), FFTW_ESTIMATE));
-    fftw_execute(plan.get());
-    const auto best =
-        static_cast<std::size_t>(std::max_element(correlation.begin(), correlation.end()) - correlation.begin());
-    return best < b.size() ? static_cast<long>(best) : static_cast<long>(best) - static_cast<long>(length);
+    Eigen::Index length = 1;
+    while (static_cast<std::size_t>(length) < a.size() + b.size()) length *= 2;
+    const RealTransform transform(length);
+    const Eigen::VectorXcd product =
+        transform.forward(removeMean(a)).conjugate().cwiseProduct(transform.forward(removeMean(b)));
+    Eigen::Index best = 0;
+    transform.inverse(product).maxCoeff(&best);
+    return static_cast<std::size_t>(best) < b.size() ? best : best - length;
 }
 
 /// Gauss–Newton for a(t) = b(t − shift)/gain on samples `from` to `to` of a.

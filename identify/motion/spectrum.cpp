@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <memory>
 #include <vector>
 
+#include "identify/motion/real_transform.hpp"
 #include "models/units.hpp"
 
 namespace wems::identify {
@@ -14,8 +14,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-std::size_t nextPowerOfTwo(std::size_t n) {
-    std::size_t power = 1;
+Eigen::Index nextPowerOfTwo(Eigen::Index n) {
+    Eigen::Index power = 1;
     while (power < n) power *= 2;
     return power;
 }
@@ -32,58 +32,39 @@ double calcHighPassGain(double frequency, double lowest) {
 }  // namespace
 
 Spectrum calcSpectrum(const Eigen::VectorXd& signal, double interval, int segment) {
-    const std::size_t samples = signal.size();
-    const std::size_t length = std::min<std::size_t>(segment, nextPowerOfTwo(samples + 1) / 2);
-    std::vector<double> block(length), window(length);
-    double window_power = 0;
-    for (std::size_t i = 0; i < length; ++i) {
+    const Eigen::Index samples = signal.size();
+    const Eigen::Index length = std::min<Eigen::Index>(segment, nextPowerOfTwo(samples + 1) / 2);
+    Eigen::VectorXd window(length);
+    for (Eigen::Index i = 0; i < length; ++i)
         window[i] = 0.5 - 0.5 * std::cos(kTwoPi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
-        window_power += window[i] * window[i];
-    }
-    const Eigen::Index bins = length / 2 + 1;
-    std::vector<Complex> transform(length / 2 + 1);
-    const FftwPlan plan(
-        fftw_plan_dft_r2c_1d(static_cast<int>(length), block.data(), asFftw(transform.data()), FFTW_ESTIMATE));
+    const RealTransform transform(length);
     Spectrum spectrum;
-    spectrum.frequency = Eigen::VectorXd::LinSpaced(bins, 0, 0.5 / interval);
-    spectrum.density = Eigen::VectorXd::Zero(bins);
+    spectrum.frequency = Eigen::VectorXd::LinSpaced(transform.binCount(), 0, 0.5 / interval);
+    spectrum.density = Eigen::VectorXd::Zero(transform.binCount());
     int count = 0;
-    for (std::size_t start = 0; start + length <= samples; start += std::max<std::size_t>(1, length / 2), ++count) {
-        double mean = 0;
-        for (std::size_t i = 0; i < length; ++i) mean += signal[start + i] / static_cast<double>(length);
-        for (std::size_t i = 0; i < length; ++i) block[i] = window[i] * (signal[start + i] - mean);
-        fftw_execute(plan.get());
-        for (Eigen::Index i = 0; i < bins; ++i) spectrum.density[i] += std::norm(transform[i]);
+    for (Eigen::Index start = 0; start + length <= samples; start += std::max<Eigen::Index>(1, length / 2), ++count) {
+        const auto part = signal.segment(start, length);
+        spectrum.density += transform.forward(window.cwiseProduct((part.array() - part.mean()).matrix())).cwiseAbs2();
     }
-    spectrum.density *= 2 * interval / (window_power * count);
+    spectrum.density *= 2 * interval / (window.squaredNorm() * count);
     return spectrum;
 }
 
 IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double interval, double lowest) {
-    const std::size_t samples = acceleration.size();
+    const Eigen::Index samples = acceleration.size();
     // Padding long enough for what the high pass rings to die out before it wraps around.
-    const std::size_t length =
-        nextPowerOfTwo(samples + static_cast<std::size_t>(std::min(ringing_periods / (lowest * interval),
-                                                                   4.0 * static_cast<double>(samples))));
-    std::vector<double> signal(length, 0.0);
-    std::copy(acceleration.data(), acceleration.data() + samples, signal.begin());
-    std::vector<Complex> transform(length / 2 + 1), product(length / 2 + 1);
-    const FftwPlan forward(
-        fftw_plan_dft_r2c_1d(static_cast<int>(length), signal.data(), asFftw(transform.data()), FFTW_ESTIMATE));
-    const FftwPlan backward(
-        fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(product.data()), signal.data(), FFTW_ESTIMATE));
-    fftw_execute(forward.get());
+    const RealTransform transform(
+        nextPowerOfTwo(samples + static_cast<Eigen::Index>(std::min(ringing_periods / (lowest * interval),
+                                                                    4.0 * static_cast<double>(samples)))));
+    Eigen::VectorXcd bins = transform.forward(acceleration);
     IntegratedSignal result;
-    for (const int order : {1, 2}) {
-        for (std::size_t i = 0; i < product.size(); ++i) {
-            const double f = static_cast<double>(i) / (static_cast<double>(length) * interval);
-            const double gain = calcHighPassGain(f, lowest);
-            const Complex s(0, kTwoPi * f);
-            const Complex factor = gain == 0 ? Complex(0) : (order == 1 ? gain / s : gain / (s * s));
-            product[i] = transform[i] * factor / static_cast<double>(length);
+    for (Eigen::VectorXd* integral : {&result.v, &result.x}) {
+        for (Eigen::Index i = 0; i < bins.size(); ++i) {
+            const double f = static_cast<double>(i) / (static_cast<double>(transform.length()) * interval);
+            const double gain = integral == &result.v ? calcHighPassGain(f, lowest) : 1;
+            bins[i] = f > 0 ? bins[i] * gain / Complex(0, kTwoPi * f) : Complex(0);
         }
-        fftw_execute(backward.get());
-        (order == 1 ? result.v : result.x) = Eigen::Map<const Eigen::VectorXd>(signal.data(), samples);
+        *integral = transform.inverse(bins).head(samples);
     }
     return result;
 }
@@ -91,52 +72,32 @@ IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double inte
 Eigen::VectorXd highPass(const Eigen::VectorXd& signal, double interval, double lowest) {
     const Eigen::Index n = signal.size();
     const Eigen::Index pad = std::min(n - 1, static_cast<Eigen::Index>(ringing_periods / (lowest * interval)));
-    const std::size_t length = nextPowerOfTwo(n + 2 * pad);
+    const RealTransform transform(nextPowerOfTwo(n + 2 * pad));
     const double mean = signal.mean();
-    std::vector<double> values(length, 0.0);
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(transform.length());
     for (Eigen::Index k = 0; k < pad; ++k) {
         values[k] = 2 * signal[0] - signal[pad - k] - mean;
         values[n + pad + k] = 2 * signal[n - 1] - signal[n - 2 - k] - mean;
     }
     for (Eigen::Index k = 0; k < n; ++k) values[pad + k] = signal[k] - mean;
-    std::vector<Complex> transform(length / 2 + 1);
-    const FftwPlan forward(
-        fftw_plan_dft_r2c_1d(static_cast<int>(length), values.data(), asFftw(transform.data()), FFTW_ESTIMATE));
-    const FftwPlan backward(
-        fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(transform.data()), values.data(), FFTW_ESTIMATE));
-    fftw_execute(forward.get());
-    for (std::size_t i = 0; i < transform.size(); ++i) {
-        const double f = static_cast<double>(i) / (static_cast<double>(length) * interval);
-        transform[i] *= calcHighPassGain(f, lowest) / static_cast<double>(length);
-    }
-    fftw_execute(backward.get());
-    return Eigen::Map<const Eigen::VectorXd>(values.data() + pad, n);
+    Eigen::VectorXcd bins = transform.forward(values);
+    for (Eigen::Index i = 0; i < bins.size(); ++i)
+        bins[i] *=
+            calcHighPassGain(static_cast<double>(i) / (static_cast<double>(transform.length()) * interval), lowest);
+    return transform.inverse(bins).segment(pad, n);
 }
 
 SlowSignal keepSlowPart(const Eigen::VectorXd& signal, double interval, double pass, double stop) {
-    const std::size_t samples = signal.size();
-    const std::size_t length = nextPowerOfTwo(
-        samples + static_cast<std::size_t>(std::min(8 / (pass * interval), 4.0 * static_cast<double>(samples))));
-    std::vector<double> buffer(length, 0.0);
-    std::copy(signal.data(), signal.data() + samples, buffer.begin());
-    std::vector<Complex> transform(length / 2 + 1), product(length / 2 + 1);
-    const FftwPlan forward(
-        fftw_plan_dft_r2c_1d(static_cast<int>(length), buffer.data(), asFftw(transform.data()), FFTW_ESTIMATE));
-    const FftwPlan backward(
-        fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(product.data()), buffer.data(), FFTW_ESTIMATE));
-    fftw_execute(forward.get());
-    SlowSignal result;
-    for (const bool rate : {false, true}) {
-        for (std::size_t i = 0; i < product.size(); ++i) {
-            const double f = static_cast<double>(i) / (static_cast<double>(length) * interval);
-            const double gain = 0.5 + 0.5 * std::cos(kPi * std::clamp((f - pass) / (stop - pass), 0.0, 1.0));
-            product[i] =
-                transform[i] * (rate ? Complex(0, kTwoPi * f) : Complex(1)) * gain / static_cast<double>(length);
-        }
-        fftw_execute(backward.get());
-        (rate ? result.rate : result.x) = Eigen::Map<const Eigen::VectorXd>(buffer.data(), samples);
+    const Eigen::Index samples = signal.size();
+    const RealTransform transform(nextPowerOfTwo(
+        samples + static_cast<Eigen::Index>(std::min(8 / (pass * interval), 4.0 * static_cast<double>(samples)))));
+    Eigen::VectorXcd slow = transform.forward(signal), rate(transform.binCount());
+    for (Eigen::Index i = 0; i < slow.size(); ++i) {
+        const double f = static_cast<double>(i) / (static_cast<double>(transform.length()) * interval);
+        slow[i] *= 0.5 + 0.5 * std::cos(kPi * std::clamp((f - pass) / (stop - pass), 0.0, 1.0));
+        rate[i] = slow[i] * Complex(0, kTwoPi * f);
     }
-    return result;
+    return {transform.inverse(slow).head(samples), transform.inverse(rate).head(samples)};
 }
 
 namespace {
@@ -177,24 +138,20 @@ struct Island {
 /// The signal under a Hann window, as a spectrum that is finer than its duration resolves.
 class LineSpectrum {
 public:
-    LineSpectrum(const Eigen::VectorXd& signal, double interval) : samples_(signal.size()) {
-        Eigen::Index length = 1;
-        while (length < samples_) length *= 2;
-        std::vector<double> padded(length, 0.0);
+    LineSpectrum(const Eigen::VectorXd& signal, double interval)
+        : samples_(signal.size()), transform_(nextPowerOfTwo(samples_)) {
+        Eigen::VectorXd windowed(samples_);
         const double mean = signal.mean();
         for (Eigen::Index i = 0; i < samples_; ++i) {
             const double phase = kTwoPi * (static_cast<double>(i) + 0.5) / static_cast<double>(samples_);
-            padded[i] = (0.5 - 0.5 * std::cos(phase)) * (signal[i] - mean);
+            windowed[i] = (0.5 - 0.5 * std::cos(phase)) * (signal[i] - mean);
         }
-        transform_.resize(length / 2 + 1);
-        const FftwPlan plan(
-            fftw_plan_dft_r2c_1d(static_cast<int>(length), padded.data(), asFftw(transform_.data()), FFTW_ESTIMATE));
-        fftw_execute(plan.get());
-        bin_ = 1 / (static_cast<double>(length) * interval);
-        lobe_ = static_cast<Eigen::Index>(
-            std::ceil(half_lobe * static_cast<double>(length) / static_cast<double>(samples_)));
-        power_.resize(length / 2 + 1);
-        for (Eigen::Index i = 0; i < power_.size(); ++i) power_[i] = i < lobe_ ? 0 : std::norm(transform_[i]);
+        bins_ = transform_.forward(windowed);
+        const auto length = static_cast<double>(transform_.length());
+        bin_ = 1 / (length * interval);
+        lobe_ = static_cast<Eigen::Index>(std::ceil(half_lobe * length / static_cast<double>(samples_)));
+        power_ = bins_.cwiseAbs2();
+        power_.head(std::min(lobe_, power_.size())).setZero();
     }
 
     double totalPower() const { return power_.sum(); }
@@ -213,15 +170,11 @@ public:
 
     /// Power of an island in each part of the duration, the sum being 1.
     Eigen::VectorXd calcPowerOverTime(const Island& island) const {
-        std::vector<std::complex<double>> part(transform_.size());
-        const std::ptrdiff_t first = std::max<Eigen::Index>(0, island.first - lobe_);
-        const auto last = static_cast<std::ptrdiff_t>(std::min(power_.size() - 1, island.last + lobe_));
-        std::copy(transform_.begin() + first, transform_.begin() + last + 1, part.begin() + first);
-        const std::size_t length = 2 * (transform_.size() - 1);
-        std::vector<double> values(length);
-        const FftwPlan plan(
-            fftw_plan_dft_c2r_1d(static_cast<int>(length), asFftw(part.data()), values.data(), FFTW_ESTIMATE));
-        fftw_execute(plan.get());
+        const Eigen::Index first = std::max<Eigen::Index>(0, island.first - lobe_);
+        const Eigen::Index count = std::min(power_.size() - 1, island.last + lobe_) + 1 - first;
+        Eigen::VectorXcd part = Eigen::VectorXcd::Zero(bins_.size());
+        part.segment(first, count) = bins_.segment(first, count);
+        const Eigen::VectorXd values = transform_.inverse(part);
         Eigen::VectorXd power = Eigen::VectorXd::Zero(time_segments);
         for (Eigen::Index i = 0; i < samples_; ++i) {
             const double value = values[i];
@@ -245,7 +198,8 @@ private:
     }
 
     Eigen::Index samples_;
-    std::vector<std::complex<double>> transform_;
+    RealTransform transform_;
+    Eigen::VectorXcd bins_;
     Eigen::VectorXd power_;
     double bin_ = 0;         // Hz
     Eigen::Index lobe_ = 0;  // bins, half the width of a line

@@ -2,26 +2,10 @@
 /// Power spectral density of a signal, and double integration in the frequency domain.
 #pragma once
 
-#include <fftw3.h>
-
 #include <Eigen/Core>
-#include <complex>
-#include <memory>
 #include <vector>
 
 namespace wems::identify {
-
-// FFTW's plans and complex numbers in C++.
-
-struct FftwPlanDeleter {
-    void operator()(fftw_plan_s* plan) const { fftw_destroy_plan(plan); }
-};
-using FftwPlan = std::unique_ptr<fftw_plan_s, FftwPlanDeleter>;
-
-/// The layouts are the same (FFTW manual, section 4.1.1).
-inline fftw_complex* asFftw(std::complex<double>* data) {
-    return reinterpret_cast<fftw_complex*>(data);
-}
 
 struct Spectrum {
     Eigen::VectorXd frequency;  ///< Hz, from 0 to half the sampling rate

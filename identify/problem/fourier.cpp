@@ -5,7 +5,6 @@
 #include <complex>
 #include <vector>
 
-#include "identify/motion/spectrum.hpp"
 #include "models/units.hpp"
 
 namespace wems::identify {
@@ -23,56 +22,18 @@ int fastSize(int least) {
 
 }  // namespace
 
-struct Fourier::Plans {
-    int size;
-    fftw_plan forward, inverse;
-
-    explicit Plans(int samples) : size(fastSize(samples)) {
-        std::vector<double> real(size);
-        std::vector<std::complex<double>> complex(size / 2 + 1);
-        const unsigned flags = FFTW_ESTIMATE | FFTW_UNALIGNED;
-        forward = fftw_plan_dft_r2c_1d(size, real.data(), asFftw(complex.data()), flags);
-        inverse = fftw_plan_dft_c2r_1d(size, asFftw(complex.data()), real.data(), flags);
-    }
-    ~Plans() {
-        fftw_destroy_plan(forward);
-        fftw_destroy_plan(inverse);
-    }
-    Plans(const Plans&) = delete;
-    Plans& operator=(const Plans&) = delete;
-};
-
-Fourier::Fourier(int samples) : plans_(std::make_unique<Plans>(samples)) {}
-Fourier::~Fourier() = default;
-Fourier::Fourier(Fourier&&) noexcept = default;
-Fourier& Fourier::operator=(Fourier&&) noexcept = default;
-
-int Fourier::size() const {
-    return plans_->size;
-}
+Fourier::Fourier(int samples) : transform_(fastSize(samples)) {}
 
 Eigen::MatrixXcd Fourier::forward(const Eigen::Ref<const Eigen::MatrixXd>& rows) const {
     Eigen::MatrixXcd result(rows.rows(), binCount());
-    Eigen::VectorXd real = Eigen::VectorXd::Zero(size());
-    Eigen::VectorXcd complex(binCount());
-    for (Eigen::Index r = 0; r < rows.rows(); ++r) {
-        real.head(rows.cols()) = rows.row(r);
-        real.tail(size() - rows.cols()).setZero();
-        fftw_execute_dft_r2c(plans_->forward, real.data(), asFftw(complex.data()));
-        result.row(r) = complex;
-    }
+    for (Eigen::Index r = 0; r < rows.rows(); ++r) result.row(r) = transform_.forward(rows.row(r).transpose());
     return result;
 }
 
 Eigen::MatrixXd Fourier::inverse(const Eigen::Ref<const Eigen::MatrixXcd>& spectra, int samples) const {
     Eigen::MatrixXd result(spectra.rows(), samples);
-    Eigen::VectorXd real(size());
-    Eigen::VectorXcd complex(binCount());
-    for (Eigen::Index r = 0; r < spectra.rows(); ++r) {
-        complex = spectra.row(r);
-        fftw_execute_dft_c2r(plans_->inverse, asFftw(complex.data()), real.data());
-        result.row(r) = real.head(samples) / size();
-    }
+    for (Eigen::Index r = 0; r < spectra.rows(); ++r)
+        result.row(r) = transform_.inverse(spectra.row(r).transpose()).head(samples);
     return result;
 }
 

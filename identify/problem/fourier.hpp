@@ -3,25 +3,20 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <memory>
 
 #include "identify/motion/motion.hpp"
+#include "identify/motion/real_transform.hpp"
 
 namespace wems::identify {
 
 /// Real rows ↔ complex spectra, zero-padded to a size with small prime factors. Transforming is const and may be done
-/// by several threads at once; constructing may not.
+/// by several threads at once.
 class Fourier {
 public:
     /// @param samples least number of samples; size() ≥ samples
     explicit Fourier(int samples);
-    ~Fourier();
-    Fourier(Fourier&&) noexcept;
-    Fourier& operator=(Fourier&&) noexcept;
-    Fourier(const Fourier&) = delete;
-    Fourier& operator=(const Fourier&) = delete;
 
-    int size() const;
+    int size() const { return static_cast<int>(transform_.length()); }
     int binCount() const { return size() / 2 + 1; }
 
     /// X_k = Σ_n x_n exp(−2πi k n / size): rows x binCount().
@@ -30,8 +25,7 @@ public:
     Eigen::MatrixXd inverse(const Eigen::Ref<const Eigen::MatrixXcd>& spectra, int samples) const;
 
 private:
-    struct Plans;
-    std::unique_ptr<Plans> plans_;
+    RealTransform transform_;
 };
 
 /// Power of each row at each bin, smoothed by a moving average of 2 half + 1 bins.

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "identify/motion/spectrum.hpp"
+#include "identify/motion/real_transform.hpp"
 #include "models/error.hpp"
 #include "models/units.hpp"
 
@@ -46,11 +46,8 @@ CrossSpectra estimateSpectra(const Eigen::MatrixXd& signals, Eigen::Index refere
         window[i] = 0.5 - 0.5 * std::cos(kTwoPi * static_cast<double>(i) / static_cast<double>(length));
 
     const Eigen::Index bins = length / 2 + 1;
-    Eigen::VectorXd block(length);
+    const RealTransform fourier(length);
     Eigen::MatrixXcd transform(bins, count);
-    std::vector<std::complex<double>> line(bins);
-    const FftwPlan plan(
-        fftw_plan_dft_r2c_1d(static_cast<int>(length), block.data(), asFftw(line.data()), FFTW_ESTIMATE));
     CrossSpectra spectra;
     spectra.reference = reference;
     spectra.density = Eigen::MatrixXd::Zero(bins, count);
@@ -58,9 +55,7 @@ CrossSpectra estimateSpectra(const Eigen::MatrixXd& signals, Eigen::Index refere
     for (Eigen::Index start = 0; start + length <= signals.rows(); start += step, ++spectra.segments) {
         for (Eigen::Index c = 0; c < count; ++c) {
             const auto part = signals.col(c).segment(start, length);
-            block = (part.array() - part.mean()) * window.array();
-            fftw_execute(plan.get());
-            transform.col(c) = Eigen::Map<const Eigen::VectorXcd>(line.data(), bins);
+            transform.col(c) = fourier.forward(((part.array() - part.mean()) * window.array()).matrix());
         }
         spectra.density += transform.cwiseAbs2();
         for (Eigen::Index c = 0; c < count; ++c)
