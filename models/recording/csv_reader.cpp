@@ -9,7 +9,6 @@
 
 #include "models/error.hpp"
 #include "models/recording/column_map.hpp"
-#include "models/recording/number_parser.hpp"
 #include "models/recording/recording_table.hpp"
 #include "models/recording/text_file.hpp"
 
@@ -30,7 +29,7 @@ std::string quoteForMessage(std::string_view text) {
 class BodyReader {
 public:
     BodyReader(const CsvLayout& layout, const std::string& file, std::vector<CsvColumn>& columns)
-        : layout_(layout), file_(file), columns_(columns), parser_(layout.decimal, layout.separator) {
+        : layout_(layout), file_(file), columns_(columns), number_(fast_float::chars_format::general, layout.decimal) {
         field_count_ = static_cast<std::ptrdiff_t>(layout.headers.size());
         block_rows_ = std::clamp<std::size_t>(kBlockNumbers / columns.size(), 8, 128);
         block_.resize(block_rows_ * columns.size());
@@ -39,7 +38,6 @@ public:
     void read() {
         p_ = layout_.body.data();
         end_ = p_ + layout_.body.size();
-        fast_from_ = p_ + std::min<std::ptrdiff_t>(8, end_ - p_);
         reserve();
         while (p_ != end_ && !atBlankRow()) {
             double* row = &block_[(row_ % block_rows_) * columns_.size()];
@@ -116,16 +114,23 @@ private:
             } else {
                 p = skipFields(p, skip, column);
             }
-            const char* stop = p >= fast_from_ ? parser_.parseField(p, end_, row[k]) : nullptr;
-            p = stop != nullptr ? stop : readField(p, columns_[k], row[k]);
+            p = readField(p, columns_[k], row[k]);
             column = columns_[k].index;
         }
         p_ = p;
         finishRow(column);
     }
 
-    /// The general way: any spelling of a number, spaces around it, an empty field. Returns the field's end.
+    /// Returns the field's end. Most fields hold nothing but a number, whose end is theirs.
     const char* readField(const char* p, const CsvColumn& column, double& value) const {
+        const auto number = fast_float::from_chars_advanced(p, end_, value, number_);
+        if (number.ec == std::errc() && number.ptr != end_ && *number.ptr == layout_.separator && std::isfinite(value))
+            return number.ptr;
+        return readOddField(p, column, value);
+    }
+
+    /// Spaces or a sign in front, an empty field, the last one of a row.
+    const char* readOddField(const char* p, const CsvColumn& column, double& value) const {
         const char* stop = p;
         while (stop != end_ && *stop != layout_.separator && *stop != '\n') ++stop;
         value = parseField({p, static_cast<std::size_t>(stop - p)}, column);
@@ -138,8 +143,7 @@ private:
         double value = 0;
         const char* first = text.data() + (text.size() > 1 && text[0] == '+' && text[1] != '-' ? 1 : 0);
         const char* last = text.data() + text.size();
-        const fast_float::parse_options options(fast_float::chars_format::general, layout_.decimal);
-        const auto result = fast_float::from_chars_advanced(first, last, value, options);
+        const auto result = fast_float::from_chars_advanced(first, last, value, number_);
         const InputLocation location{file_, fileRow(), column.name};
         if (result.ec != std::errc() || result.ptr != last) {
             throw InputError(location, quoteForMessage(text) + " is not a number",
@@ -212,14 +216,13 @@ private:
     const CsvLayout& layout_;
     const std::string& file_;
     std::vector<CsvColumn>& columns_;
-    NumberParser parser_;
+    fast_float::parse_options number_;
     std::ptrdiff_t field_count_ = 0;
     std::size_t block_rows_ = 0, capacity_ = 0, row_ = 0;
     std::vector<double> block_;
     std::vector<std::string> fields_;
     const char* p_ = nullptr;
     const char* end_ = nullptr;
-    const char* fast_from_ = nullptr;  // the parser of fields looks at eight bytes before
 };
 
 }  // namespace
