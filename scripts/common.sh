@@ -7,7 +7,7 @@ mkdir -p "$logs"
 started=$SECONDS
 
 build_packages="ca-certificates g++ cmake ninja-build ccache libeigen3-dev libsimbody-dev libtomlplusplus-dev libfast-float-dev
-  nlohmann-json3-dev libcli11-dev libboost-math-dev libfftw3-dev libmatio-dev zlib1g-dev libhdf5-dev libssl-dev libjs-dygraphs libjs-three python3"
+  nlohmann-json3-dev libcli11-dev libboost-math-dev libfftw3-dev libtbb-dev libmatio-dev zlib1g-dev libhdf5-dev libssl-dev libjs-dygraphs libjs-three python3"
 test_packages="xz-utils catch2 clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev
   chromium chromium-driver python3-selenium help2man snakemake python3-h5py python3-jsonschema
   python3-sphinx python3-myst-parser furo python3-matplotlib

@@ -1,10 +1,12 @@
 // The commands on recordings.
 #include "identify/cli/program.hpp"
 
+#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <iostream>
+#include <optional>
 
 #include "identify/cli/command.hpp"
 #include "models/command_line/standard_streams.hpp"
@@ -99,6 +101,13 @@ int runIdentify(int argc, char** argv) {
         "Each command has a help with an example of its own: identify fit --help\n\n"
         "Exit status: 0 done, 1 answered but a requested limit failed, 2 bad input or usage.");
     addCompletionOption(app);
+    std::optional<tbb::global_control> limit;
+    app.add_option_function<std::size_t>(
+           "--threads",
+           [&limit](const std::size_t& count) { limit.emplace(tbb::global_control::max_allowed_parallelism, count); },
+           "how many threads work (default: one for each core)")
+        ->check(CLI::Range(std::size_t{1}, std::size_t{1024}));
+    app.fallthrough();  // also behind the command
     int exit_status = 0;
     // In the order of a test's evaluation.
     addConvertCommand(app, exit_status);

@@ -133,6 +133,31 @@ TEST_CASE("fit --test and fit --geometry: a laboratory's sensors tell the same a
     for (const auto& [name, estimate] : found) CHECK(getParameter(fitted, name) == Approx(estimate.value));
 }
 
+TEST_CASE("--threads: the result is the same with one and with three, and none is refused") {
+    const BelievedDevice device(0.1);
+    const auto& folder = device.folder;
+    CAPTURE(device.seed);
+    writeRecording(test::record(simulate(200, 16), sensors, device.seed), folder.path() + "/one.csv");
+    writeRecording(test::record(simulate(120, 16), sensors, device.seed + 1), folder.path() + "/two.csv");
+    const auto fit = [&](const std::vector<std::string>& threads) {
+        std::vector<std::string> arguments{"fit",           "one.csv", "two.csv", "--model",
+                                           "believed.toml", "--json",  "fit.json"};
+        arguments.insert(arguments.end(), threads.begin(), threads.end());
+        const auto result = runProgram(IDENTIFY_PROGRAM, arguments, folder.path());
+        CAPTURE(result.errors);
+        REQUIRE(result.exit_status == 0);
+        return readJson(folder, "fit.json").at("parameters");
+    };
+    const auto one = fit({"--threads", "1"});
+    CHECK(!one.empty());
+    CHECK(fit({"--threads", "3"}) == one);
+    CHECK(fit({}) == one);
+    const auto none =
+        runProgram(IDENTIFY_PROGRAM, {"fit", "one.csv", "--model", "believed.toml", "--threads", "0"}, folder.path());
+    CHECK(none.exit_status == 2);
+    CHECK_THAT(none.errors, Contains("--threads"));
+}
+
 TEST_CASE("fit --memory: a recording longer than memory is fitted on blocks of it, and the output says on which") {
     const BelievedDevice device(0.1);
     const auto& folder = device.folder;
