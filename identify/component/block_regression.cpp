@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "identify/fit/intervals.hpp"
+#include "identify/motion/noise_estimate.hpp"
 
 namespace wems::identify {
 
@@ -26,19 +27,6 @@ std::vector<Eigen::Index> makeBlocks(Eigen::Index count, const std::vector<Eigen
 }
 
 }  // namespace
-
-double calcCorrelationLength(const Eigen::VectorXd& residual) {
-    const Eigen::Index n = residual.size();
-    const double variance = residual.squaredNorm() / static_cast<double>(n);
-    if (variance <= 0) return 1;
-    double length = 1;
-    for (Eigen::Index lag = 1; lag < n / 4; ++lag) {
-        const double rho = residual.head(n - lag).dot(residual.tail(n - lag)) / (static_cast<double>(n) * variance);
-        if (rho < 0.05) break;
-        length += 2 * rho;
-    }
-    return length;
-}
 
 double Estimates::calcHalfWidth(const Eigen::VectorXd& combination) const {
     const double variance = combination.dot(covariance * combination);

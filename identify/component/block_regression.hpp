@@ -31,9 +31,6 @@ struct Estimates {
     double calcHalfWidth(Eigen::Index parameter) const;
 };
 
-/// Integrated autocorrelation 1 + 2 Σ ρ_k of a residual, up to where it falls below 0.05; in samples.
-double calcCorrelationLength(const Eigen::VectorXd& residual);
-
 /// Solves min |X β − y|. `run_starts`: first row of each recording; no block straddles two. Columns that depend on
 /// each other linearly get an infinite interval.
 Estimates solveBlocks(const Eigen::MatrixXd& X, const Eigen::VectorXd& y, const std::vector<Eigen::Index>& run_starts);

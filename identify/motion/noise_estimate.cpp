@@ -43,4 +43,17 @@ double estimateNoiseFromSignal(const Eigen::VectorXd& x) {
     return std::sqrt(median(std::move(squares)) / (924 * medianOfChiSquared(1)));
 }
 
+double calcCorrelationLength(const Eigen::VectorXd& residual) {
+    const Eigen::Index n = residual.size();
+    const double variance = residual.squaredNorm() / static_cast<double>(n);
+    if (variance <= 0) return 1;
+    double length = 1;
+    for (Eigen::Index lag = 1; lag < n / 4; ++lag) {
+        const double rho = residual.head(n - lag).dot(residual.tail(n - lag)) / (static_cast<double>(n) * variance);
+        if (rho < 0.05) break;
+        length += 2 * rho;
+    }
+    return length;
+}
+
 }  // namespace wems::identify

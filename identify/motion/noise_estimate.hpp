@@ -22,4 +22,7 @@ double estimateNoiseFromResiduals(const Eigen::MatrixXd& residuals, int redundan
 /// tenth of the sampling rate counts as noise.
 double estimateNoiseFromSignal(const Eigen::VectorXd& signal);
 
+/// Integrated autocorrelation 1 + 2 Σ ρ_k of a residual, up to where it falls below 0.05; in samples.
+double calcCorrelationLength(const Eigen::VectorXd& residual);
+
 }  // namespace wems::identify

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "identify/component/block_regression.hpp"
+#include "identify/motion/noise_estimate.hpp"
 
 namespace wems::identify {
 namespace {
