@@ -1,4 +1,5 @@
-// Medians, derivatives, noise, lines of a spectrum, work on two threads: each against a closed form or a count by hand.
+// Medians, derivatives, noise, lines of a spectrum, work on several threads: each against a closed form or a count by
+// hand.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <atomic>
@@ -145,6 +146,31 @@ TEST_CASE("findTones: the lines of a sum of sines, none in one sine or a sweep")
     CHECK(findTones(sines({10, 20, 30}), h, 100, false).empty());
     const Eigen::VectorXd sweep = sample(8000, h, [](double t) { return std::sin(kTwoPi * (5 * t + 2.5 * t * t)); });
     CHECK(findTones(sweep, h, 100, true).empty());
+}
+
+TEST_CASE("findTones: a line that stops early counts as long as half of the powers overlap in time") {
+    const double h = 1e-3;
+    for (const double share : {0.4, 0.6}) {
+        // Constant powers: their overlap is the share of the time that the shorter one lasts.
+        const Eigen::VectorXd signal = sample(16000, h, [&](double t) {
+            return std::sin(kTwoPi * 11 * t) + (t < 16 * share ? std::sin(kTwoPi * 17.3 * t) : 0);
+        });
+        CAPTURE(share);
+        CHECK(findTones(signal, h, 100, true).size() == (share > 0.5 ? 2 : 0));
+    }
+}
+
+TEST_CASE("integrateTwice: a pulse at the end does not ring at the beginning") {
+    // Before the pulse the high pass rings, after it, too: with less than eight periods of 5 Hz behind the recording
+    // that would come back at its beginning. Five, up to the next power of two, would leave 0.5 % of the peak there.
+    const double h = 1e-3, lowest = 5;
+    Eigen::VectorXd pulse = Eigen::VectorXd::Zero(8192 - 1000);
+    for (int k = 0; k < 100; ++k) pulse[pulse.size() - 100 + k] = std::pow(std::sin(kPi * k / 100), 2);
+    Eigen::VectorXd longer = Eigen::VectorXd::Zero(200000);
+    longer.head(pulse.size()) = pulse;
+    const Eigen::VectorXd x = integrateTwice(pulse, h, lowest).x;
+    const Eigen::VectorXd expected = integrateTwice(longer, h, lowest).x.head(pulse.size());
+    CHECK((x - expected).head(2000).cwiseAbs().maxCoeff() < 2e-4 * expected.cwiseAbs().maxCoeff());
 }
 
 TEST_CASE("runParallel: each piece once, and what one throws comes out") {
