@@ -133,7 +133,7 @@ TEST_CASE("fit --test and fit --geometry: a laboratory's sensors tell the same a
     for (const auto& [name, estimate] : found) CHECK(getParameter(fitted, name) == Approx(estimate.value));
 }
 
-TEST_CASE("--threads: the result is the same with one and with three, and none is refused") {
+TEST_CASE("fit --threads: the result is the same with one and with three, and none is refused") {
     const BelievedDevice device(0.1);
     const auto& folder = device.folder;
     CAPTURE(device.seed);
