@@ -222,7 +222,7 @@ private:
 /// The branches for a loss modulus of 1 N/m in the middle of structuralBand().
 struct StructuralBranches {
     std::array<MaxwellBranch, 3> branch;
-    double storage_in_middle;  ///< storage modulus of all branches there, N/m
+    double storage_in_middle = 0;  ///< storage modulus of all branches there, N/m
 };
 const StructuralBranches& structuralBranches();
 

@@ -26,7 +26,7 @@ class Kernel {
 public:
     Kernel() {
         const double scale = boost::math::cyl_bessel_i(0, beta);
-        const std::size_t count = crossings * table_steps;
+        const auto count = static_cast<std::size_t>(crossings * table_steps);
         table_.resize(count + 2, 0.0);
         for (std::size_t i = 0; i < count; ++i) {
             const double x = static_cast<double>(i) / table_steps, share = x / crossings;

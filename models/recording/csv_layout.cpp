@@ -41,7 +41,7 @@ void rejectBinary(std::string_view text, const std::string& file) {
     if (problem != nullptr) throw InputError({file, 0, {}}, problem, "CSV with one header row");
 }
 
-char findSeparator(std::string_view header) {
+char guessSeparator(std::string_view header) {
     std::array<long, 3> counts{};
     constexpr std::string_view kCandidates = ";\t,";
     bool quoted = false;
@@ -113,7 +113,7 @@ public:
 
 private:
     char separatorOf(std::string_view row) const {
-        return map_ != nullptr && map_->separator ? *map_->separator : findSeparator(row);
+        return map_ != nullptr && map_->separator ? *map_->separator : guessSeparator(row);
     }
 
     /// Fields of `row` that are known; 0 for what cannot be a header.

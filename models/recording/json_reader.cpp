@@ -15,7 +15,7 @@ using Json = nlohmann::json;
 
 constexpr int kDeepest = 16;  // levels; a table needs three
 
-bool isNumber(const Json& value) {
+bool isNumberOrNull(const Json& value) {
     return value.is_number() || value.is_null();
 }
 
@@ -30,7 +30,7 @@ public:
     MatValue convert(const Json& value, const std::string& name, int depth) const {
         MatValue result;
         if (depth > kDeepest) return result;
-        if (isNumber(value)) {
+        if (isNumberOrNull(value)) {
             result.kind = MatValue::Kind::numbers;
             result.rows = result.columns = 1;
             result.numbers = {toNumber(value)};
@@ -51,7 +51,7 @@ public:
 
 private:
     void convertArray(const Json& array, const std::string& name, int depth, MatValue& result) const {
-        if (std::all_of(array.begin(), array.end(), isNumber)) {
+        if (std::all_of(array.begin(), array.end(), isNumberOrNull)) {
             result.kind = MatValue::Kind::numbers;
             result.rows = array.size();
             result.columns = 1;
@@ -71,7 +71,7 @@ private:
         result.numbers.resize(result.rows * result.columns);
         for (std::size_t i = 0; i < result.rows; ++i) {
             const Json& row = rows[i];
-            if (!row.is_array() || row.size() != result.columns || !std::all_of(row.begin(), row.end(), isNumber))
+            if (!row.is_array() || row.size() != result.columns || !std::all_of(row.begin(), row.end(), isNumberOrNull))
                 throw InputError({file_, 0, name},
                                  "row " + std::to_string(i + 1) + " is not a row of " + std::to_string(result.columns) +
                                      " numbers as the first is",

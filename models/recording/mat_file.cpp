@@ -45,7 +45,7 @@ namespace {
 constexpr std::uint32_t kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15;                // types of elements
 constexpr std::uint32_t kCell = 1, kStructure = 2, kSparse = 5, kLastNumeric = 15, kLast = 17;  // classes of arrays
 constexpr std::size_t kHeader = 128, kTag = 8;
-constexpr int kDeepest = 64;
+constexpr int kDeepestElement = 64;
 
 class ExtentCheck {
 public:
@@ -99,7 +99,7 @@ private:
 
     Element checkElement(std::size_t at, std::size_t end, int depth) const {
         const Element element = readTag(at, end);
-        if (element.type == kMatrix && element.size > 0 && depth < kDeepest) checkArray(element, depth);
+        if (element.type == kMatrix && element.size > 0 && depth < kDeepestElement) checkArray(element, depth);
         if (element.type == kCompressed) checkCompressed(element);
         return element;
     }
