@@ -11,8 +11,9 @@ namespace wems::identify::updating {
 namespace {
 
 constexpr int kMostRounds = 8;
-constexpr std::size_t kBeam = 6;                      // sets that a search follows
-constexpr std::size_t kMostCauses = 6;                // of one answer: more describe, they do not explain
+constexpr std::size_t kBeam = 6;        // sets that a search follows
+constexpr std::size_t kMostCauses = 6;  // of one answer: more describe, they do not explain
+static_assert(kMostRounds > static_cast<int>(kMostCauses), "a cause each round, and one to see that no more follows");
 constexpr std::size_t kShown = 8;                     // candidates of a round that its record keeps
 constexpr int kMostSettling = 16, kMostRefining = 3;  // Gauss–Newton steps
 constexpr std::size_t kTried = 8;                     // sets of a round that are judged where they lead
