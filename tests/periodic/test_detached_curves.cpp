@@ -56,42 +56,59 @@ struct Absorber {
 
 }  // namespace
 
-// Fails today, and says so once it no longer does: the continuation steps from the main curve to the detached one where
-// they come near each other.
-TEST_CASE("a detached resonance is found, closed, and as the algebra of one harmonic has it", "[!shouldfail]") {
+// One harmonic has three solutions in two bands: between 17.5 and 19.4 Hz the upper two are a curve of their own,
+// between 21.5 and 21.8 Hz the curve from the low end folds.
+TEST_CASE("a detached resonance is found, closed, and as the algebra of one harmonic has it") {
     const Absorber absorber;
+    // Where the number of solutions changes, by bisection between one frequency with three and one with one.
+    const auto findEnd = [&](double three, double one) {
+        REQUIRE(absorber.solve(three).size() == 3);
+        REQUIRE(absorber.solve(one).size() == 1);
+        for (int k = 0; k < 60; ++k) {
+            const double middle = 0.5 * (three + one);
+            (absorber.solve(middle).size() == 3 ? three : one) = middle;
+        }
+        return three;
+    };
+    const auto sorted = [](const std::vector<ResponseFold>& folds) {
+        std::vector<double> frequencies;
+        for (const auto& fold : folds) frequencies.push_back(fold.frequency);
+        std::sort(frequencies.begin(), frequencies.end());
+        return frequencies;
+    };
     const ResponseCurve curve = calcResponseCurve(
         absorber.makeModel(), {{0, 0, absorber.force}, Eigen::Vector3d::Zero()}, {15, 25, 1, true, {}});
     REQUIRE(curve.incomplete.empty());
-    CHECK(curve.folds.empty());
-    for (const ResponsePoint& point : curve.points)
+    const std::vector<double> folds = sorted(curve.folds);
+    REQUIRE(folds.size() == 2);
+    CHECK(folds[0] == Approx(findEnd(21.6, 21)).margin(0.01));
+    CHECK(folds[1] == Approx(findEnd(21.6, 22)).margin(0.01));
+    const auto checkSolution = [&](const ResponsePoint& point) {
+        double nearest = INFINITY;
+        for (const double amplitude : absorber.solve(point.frequency))
+            nearest = std::min(nearest, std::abs(point.first[2] / amplitude - 1));
+        CAPTURE(point.frequency, point.first[2]);
+        CHECK(nearest < 1e-5);
+    };
+    for (const ResponsePoint& point : curve.points) {
+        checkSolution(point);
+        if (point.frequency > 20) continue;
+        CAPTURE(point.frequency);
         CHECK(point.first[2] == Approx(absorber.solve(point.frequency).front()).epsilon(1e-5));
+    }
     REQUIRE(curve.detached.size() == 1);
     const ResponseCurve& apart = curve.detached.front();
     CHECK(apart.incomplete.empty());
     REQUIRE(apart.points.size() > 50);
     CHECK(apart.points.front().frequency == Approx(apart.points.back().frequency));  // it comes back to its start
     for (const ResponsePoint& point : apart.points) {
-        double nearest = INFINITY;
-        for (const double amplitude : absorber.solve(point.frequency))
-            nearest = std::min(nearest, std::abs(point.first[2] / amplitude - 1));
-        CAPTURE(point.frequency, point.first[2]);
-        CHECK(nearest < 1e-5);
+        checkSolution(point);
+        CHECK(point.first[2] > 1.01 * absorber.solve(point.frequency).front());
     }
-    // Its ends: where the number of solutions changes, by bisection.
-    const auto findEnd = [&](double inside, double outside) {
-        for (int k = 0; k < 60; ++k) {
-            const double middle = 0.5 * (inside + outside);
-            (absorber.solve(middle).size() == 3 ? inside : outside) = middle;
-        }
-        return inside;
-    };
-    REQUIRE(absorber.solve(18.5).size() == 3);
-    REQUIRE(apart.folds.size() == 2);
-    std::vector<double> ends{apart.folds[0].frequency, apart.folds[1].frequency};
-    std::sort(ends.begin(), ends.end());
+    const std::vector<double> ends = sorted(apart.folds);
+    REQUIRE(ends.size() == 2);
     CHECK(ends[0] == Approx(findEnd(18.5, 15)).margin(0.01));
-    CHECK(ends[1] == Approx(findEnd(18.5, 25)).margin(0.01));
+    CHECK(ends[1] == Approx(findEnd(18.5, 20)).margin(0.01));
 }
 
 TEST_CASE("no detached resonance where there is none, and none looked for where not asked") {
