@@ -63,8 +63,6 @@ void addInspectCommand(CLI::App& app, int& exit_status);
 void addConvertCommand(CLI::App& app, int& exit_status);
 void addMergeCommand(CLI::App& app, int& exit_status);
 void addSetCommand(CLI::App& app, int& exit_status);
-void addSingleAxisCommand(CLI::App& app, int& exit_status);
-void addBeamTipCommand(CLI::App& app, int& exit_status);
 void addSchemaCommand(CLI::App& app, int& exit_status);
 
 /// How text on standard output is to look.

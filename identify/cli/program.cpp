@@ -123,8 +123,6 @@ int runIdentify(int argc, char** argv) {
     addCompareCommand(app, exit_status);
     addSurfaceCommand(app, exit_status);
     addSetCommand(app, exit_status);
-    addSingleAxisCommand(app, exit_status);
-    addBeamTipCommand(app, exit_status);
     addSchemaCommand(app, exit_status);
     try {
         app.parse(argc, argv);

@@ -1,7 +1,7 @@
 """The rows of the reproduction: each table and figure of the paper beside ours."""
 import work
 from values import Fit, SingleAxis, is_clearance, is_damping, is_elastomer, is_stop
-from work import DEVICE, LEVELS, WORK, csv, identify
+from work import DEVICE, LEVELS, WORK, by_paper, csv
 
 AXIAL = [f"{i}.z.stiffness" for i in "1234"]
 Y = [f"{i}.y.stiffness" for i in "1234"]
@@ -21,7 +21,7 @@ class Results:
 
     def single(self, run, *words, model=None):
         device = work.model(work.RUNS[run][0])
-        return SingleAxis(identify("single-axis", csv(run), "--model", model or device, *words), device)
+        return SingleAxis(by_paper("single-axis", csv(run), "--model", model or device, *words), device)
 
     def fit(self, run, noise="", use="all"):
         return self.fits[f"{run}.{noise}.{use}"]

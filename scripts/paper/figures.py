@@ -3,14 +3,14 @@ import json
 
 import recordings
 import work
-from work import DEVICE, WORK, csv, identify
+from work import DEVICE, WORK, by_paper, csv, identify
 
 BEAM_CUBIC = 8e9  # N/m^3, default of simulate_beam
 
 
 def beam(page, svg):
     page.heading("The beam of section 3.1 (figure 2)")
-    result = identify("beam-tip", WORK / "beam.csv")
+    result = by_paper("beam-tip", WORK / "beam.csv")
     rows = []
     for kind in ("complete", "truncated"):
         p = {q["name"]: q["value"] for q in result[kind]["parameters"]}

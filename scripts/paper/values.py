@@ -15,7 +15,7 @@ def stiffness(value, truth):
 
 
 class SingleAxis:
-    """Result of `identify single-axis`."""
+    """Result of `paper_methods single-axis`."""
 
     def __init__(self, result, truth_file):
         self.result = result

@@ -14,6 +14,7 @@ import recordings
 ROOT = Path(__file__).resolve().parent.parent.parent
 BUILD = ROOT / "build/release"
 SIMULATE, IDENTIFY, BEAM = BUILD / "plugin/simulate", BUILD / "identify/cli/identify", BUILD / "models/beam/simulate_beam"
+PAPER_METHODS = BUILD / "identify/paper/paper_methods"
 DEVICE = ROOT / "models/shipped/smallsat_wems.toml"
 OUT = ROOT / "build/paper"
 WORK = OUT / "work"
@@ -62,6 +63,11 @@ def call(*words):
 def identify(*words):
     """JSON result of a command of identify."""
     return json.loads(call(IDENTIFY, *words, "--json", "-"))
+
+
+def by_paper(*words):
+    """JSON result of one of the paper's methods."""
+    return json.loads(call(PAPER_METHODS, *words, "--json", "-"))
 
 
 def make_models():

@@ -56,8 +56,6 @@ def recording_commands(identify, simulate):
         "compare": [identify, "compare", "odd.csv", "good.csv", *on_model, *all_outputs],
         "convert": [identify, "convert", "odd.csv", "out.trc", *all_outputs],
         "merge": [identify, "merge", "good.csv", "odd.csv", "-o", "out.csv", "--common", "load.fz", *all_outputs],
-        "single-axis": [identify, "single-axis", "odd.csv", *on_model, "-o", "out.toml", *all_outputs],
-        "beam-tip": [identify, "beam-tip", "odd.csv", *all_outputs],
         "replay": [simulate, "model.toml", "--from-csv", "odd.csv", "-q", "-o", "out.csv", *all_outputs],
         "plan": [identify, "plan", "odd.csv", *on_model, "--rate", "240", "-o", "out.toml", *all_outputs],
         "diagnose": [identify, "diagnose", "odd.csv", *on_model, "-o", "out.toml", *all_outputs],
@@ -78,7 +76,6 @@ def model_commands(identify, simulate):
         "fit": [identify, "fit", "good.csv", *on_model, "-o", "out.toml", *all_outputs],
         "compare": [identify, "compare", "good.csv", "good2.csv", *on_model, *all_outputs],
         "convert": [identify, "convert", "good.csv", "out.trc", *on_model, *all_outputs],
-        "single-axis": [identify, "single-axis", "good.csv", *on_model, "-o", "out.toml", *all_outputs],
         "diagnose": [identify, "diagnose", "good.csv", *on_model, "-o", "out.toml", *all_outputs],
     }
 

@@ -44,7 +44,6 @@ def make_reports(simulate, identify, device, folder):
         "inspect": ["inspect", "axial.csv"],
         "compare": ["compare", "axial.csv", "believed.csv", "--model", "device.toml"],
         "surface": ["surface", "axial.csv", "--connection", 4, "--axis", "z"],
-        "single-axis": ["single-axis", "axial.csv", "--model", "device.toml"],
     }
     for name, arguments in commands.items():
         call(identify, *arguments, "--report", f"{name}.html", folder=folder)

@@ -1,4 +1,4 @@
-// identify beam-tip: the spring at the tip of a beam from the complete and from the truncated equation of the tip.
+// The executable `paper_methods`: the regressions of the source paper, for comparison with those of `identify`.
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -10,6 +10,7 @@
 #include "identify/commands/recordings.hpp"
 #include "identify/paper/beam_tip.hpp"
 #include "identify/paper/single_axis.hpp"
+#include "models/command_line/standard_streams.hpp"
 #include "models/command_line/usage.hpp"
 #include "models/error.hpp"
 #include "models/mount_model.hpp"
@@ -20,6 +21,12 @@
 namespace wems::identify::cli {
 
 namespace {
+
+ResultRecord beginPaperRecord(const std::string& command) {
+    ResultRecord record = beginRecord(command);
+    record.program = "wems paper_methods " WEMS_VERSION;
+    return record;
+}
 
 struct BeamTipOptions {
     CommonOptions common;
@@ -81,7 +88,7 @@ void runBeamTip(const BeamTipOptions& options) {
     if (options.common.printsText()) std::cout << table.format(outputStyle());
     nlohmann::json data = {{"complete", makeJson(tip.complete, "-", "s")},
                            {"truncated", makeJson(tip.truncated, "N/m", "N s/m")}};
-    ResultRecord record = beginRecord("beam-tip");
+    ResultRecord record = beginPaperRecord("beam-tip");
     record.addInput("columns", options.common.column_map);
     record.addInput("recording", options.recording);
     if (map) record.addColumns(*map);
@@ -92,21 +99,17 @@ void runBeamTip(const BeamTipOptions& options) {
     finishOutput(outputs);
 }
 
-}  // namespace
-
-void addBeamTipCommand(CLI::App& app, int& /*exit_status*/) {
+void addBeamTipCommand(CLI::App& app) {
     auto* command = app.add_subcommand(
         "beam-tip", "Cubic spring at the tip of the benchmark beam, from the complete and the truncated tip equation");
     const auto options = std::make_shared<BeamTipOptions>();
     addInputFile(*command, "recording", options->recording, "recording of simulate_beam (CSV)")->required();
     addCommonOptions(*command, options->common);
-    command->footer("Example:\n  identify beam-tip beam.csv --json beam.json");
+    command->footer("Example:\n  paper_methods beam-tip beam.csv --json beam.json");
     command->callback([options] { runBeamTip(*options); });
 }
 
 // identify single-axis: the classical regression, Newton's equation of one axis with truncated SVD.
-
-namespace {
 
 struct SingleAxisCommandOptions {
     CommonOptions common;
@@ -187,7 +190,7 @@ void writeReport(const SingleAxisResult& result, const std::string& recording, c
 }
 
 ResultRecord makeResultRecord(const SingleAxisCommandOptions& options, const MountModel& model) {
-    ResultRecord record = beginRecord("single-axis");
+    ResultRecord record = beginPaperRecord("single-axis");
     record.addInput("model", options.model);
     record.addInput("bracket modes", model.bracket_path);
     record.addInput("columns", options.common.column_map);
@@ -251,9 +254,7 @@ void runSingleAxis(SingleAxisCommandOptions options) {
     finishOutput(outputs);
 }
 
-}  // namespace
-
-void addSingleAxisCommand(CLI::App& app, int& /*exit_status*/) {
+void addSingleAxisCommand(CLI::App& app) {
     auto* command =
         app.add_subcommand("single-axis", "Classical one-axis regression with truncated SVD, to compare with `fit`");
     const auto options = std::make_shared<SingleAxisCommandOptions>();
@@ -286,9 +287,30 @@ void addSingleAxisCommand(CLI::App& app, int& /*exit_status*/) {
     addCommonOptions(*command, options->common);
     command->footer(
         "Example, elastomers at a low level, then the stops at a high one:\n"
-        "  identify single-axis low.csv --model mount.toml --axis z -o linear.toml\n"
-        "  identify single-axis high.csv --model linear.toml --axis z --hold-elastomers --json stops.json");
+        "  paper_methods single-axis low.csv --model mount.toml --axis z -o linear.toml\n"
+        "  paper_methods single-axis high.csv --model linear.toml --axis z --hold-elastomers --json stops.json");
     command->callback([options] { runSingleAxis(*options); });
 }
 
+int runPaperMethods(int argc, char** argv) {
+    CLI::App app{"The regressions of the source paper: one axis alone, and the tip of a beam."};
+    app.name(programName(argv[0]));
+    app.require_subcommand(1);
+    app.set_version_flag("--version", "wems paper_methods " WEMS_VERSION);
+    addSingleAxisCommand(app);
+    addBeamTipCommand(app);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);  // help or version
+        throw InputError({}, describeUsageError(app, error));
+    }
+    return 0;
+}
+
+}  // namespace
 }  // namespace wems::identify::cli
+
+int main(int argc, char** argv) {
+    return wems::runProgram("paper_methods", wems::identify::cli::runPaperMethods, argc, argv);
+}
