@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "models/axis_numbers.hpp"
@@ -62,6 +63,17 @@ void requireFinite(const std::string& key, double value) {
     if (!std::isfinite(value)) fail(key, "is " + formatNumber(value), "a finite number");
 }
 
+/// Equations about the interface hold the inertia about the CoG beside mass x distance squared. Where that is too
+/// large, their round-off is all that is left of the inertia.
+void checkArm(const MobileBody& body, double least_moment) {
+    constexpr double kept = 1e-6;  // of the inertia; no test tells it more closely
+    const double moved = body.mass * body.center_of_gravity.squaredNorm();
+    const double most = kept / std::numeric_limits<double>::epsilon() * least_moment;
+    if (moved <= most) return;
+    fail("body.center_of_gravity", "lies so far out that mass times distance squared is " + formatNumber(moved, 6),
+         "at most " + formatNumber(most, 6) + " kg m^2, beside the least principal moment of the inertia");
+}
+
 void checkBody(const MobileBody& body) {
     if (!(std::isfinite(body.mass) && body.mass > 0)) {
         fail("body.mass", "is " + formatNumber(body.mass), "a number above 0, kg");
@@ -79,6 +91,7 @@ void checkBody(const MobileBody& body) {
              "has the principal moments " + formatNumber(principal[0], 6) + ", " + formatNumber(principal[1], 6) +
                  ", " + formatNumber(principal[2], 6),
              accepted);
+    checkArm(body, principal[0]);
 }
 
 void checkConnections(const std::vector<Connection>& connections) {

@@ -120,6 +120,11 @@ TEST_CASE("bad model: missing keys") {
     CHECK_THROWS_WITH(readMountModel("/nowhere/m.toml"), Catch::Contains("/nowhere/m.toml: there is no such file"));
 }
 
+TEST_CASE("a centre of gravity far out is accepted while it leaves six digits of the inertia") {
+    CHECK_NOTHROW(
+        parseMountModel(replaced("mass = 8.0", "mass = 8.0\ncenter_of_gravity = [0.0, 4000.0, 0.0]"), "m.toml"));
+}
+
 TEST_CASE("bad model: values out of range") {
     check(GENERATE(values<Case>({
         {"mass = 8.0", "mass = -8.0", 4, "body.mass", "-8"},
@@ -127,6 +132,11 @@ TEST_CASE("bad model: values out of range") {
         {"mass = 8.0", "mass = nan", 4, "body.mass", "nan"},
         {"-9.81]", "inf]", 2, "gravity[2]", "inf"},
         {"[0.12, 0.12, 0.03]", "[0.12, 0.12, 0.25]", 5, "body.inertia", "sum of the other two"},
+        // Beside mass x distance squared, round-off leaves fewer than six digits of 0.03 kg m^2: 0.03e-6 / 2^-52.
+        {"mass = 8.0", "mass = 8.0\ncenter_of_gravity = [0.0, 4500.0, 0.0]", 5, "body.center_of_gravity",
+         "1.35108e+08"},
+        {"mass = 8.0", "mass = 8.0\ncenter_of_gravity = [0.0, 0.0, 1e300]", 5, "body.center_of_gravity", "at most"},
+        {"mass = 8.0", "mass = 1e300\ncenter_of_gravity = [0.0, 0.0, 0.1]", 5, "body.center_of_gravity", "at most"},
         {"[0.12, 0.12, 0.03]", "[0.12, 0.12, -0.03]", 5, "body.inertia", "above 0"},
         {"[0.12, 0.12, 0.03]", "[0.12, 0.12, 0.03, 0.2, 0.0, 0.0]", 5, "body.inertia", "above 0"},
         {"stiffness = 1.0e5", "stiffness = -1.0e5", 10, "connection[0].z.stiffness", "from 0"},
