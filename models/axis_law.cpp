@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "models/axis_numbers.hpp"
-#include "models/format_number.hpp"
-#include "models/units.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 
 namespace wems {
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "models/bryant.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
-#include "models/recording/text_file.hpp"
-#include "models/units.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/text_file.hpp"
+#include "models/common/units.hpp"
 
 namespace wems {
 

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "models/error.hpp"
-#include "models/recording/text_file.hpp"
-#include "models/toml_table.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
+#include "models/common/toml_table.hpp"
 
 namespace wems {
 namespace {

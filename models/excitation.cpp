@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "models/error.hpp"
-#include "models/format_number.hpp"
-#include "models/units.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 
 namespace wems {
 namespace {

@@ -6,11 +6,11 @@
 #include <optional>
 
 #include "models/bryant.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 #include "models/guided_motion.hpp"
 #include "models/mount_forces.hpp"
-#include "models/units.hpp"
 
 namespace wems {
 namespace {

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "models/common/units.hpp"
 #include "models/mount_forces.hpp"
-#include "models/units.hpp"
 
 namespace wems {
 

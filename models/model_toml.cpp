@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "models/axis_numbers.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
+#include "models/common/toml_table.hpp"
 #include "models/device_drawing.hpp"
-#include "models/error.hpp"
 #include "models/mount_model.hpp"
-#include "models/recording/text_file.hpp"
 #include "models/sensor_place_toml.hpp"
-#include "models/toml_table.hpp"
 
 namespace wems {
 namespace {

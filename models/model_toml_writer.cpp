@@ -3,11 +3,11 @@
 #include <string>
 #include <system_error>
 
-#include "models/atomic_file.hpp"
 #include "models/axis_numbers.hpp"
 #include "models/bracket.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 #include "models/law_equality.hpp"
 #include "models/mount_model.hpp"
 

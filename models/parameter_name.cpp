@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/parameter_access.hpp"
 
 namespace wems::parameter {

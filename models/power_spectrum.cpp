@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
-#include "models/error.hpp"
-#include "models/format_number.hpp"
-#include "models/recording/text_file.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/text_file.hpp"
 
 namespace wems {
 

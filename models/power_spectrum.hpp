@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "models/error.hpp"
-#include "models/units.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 
 namespace wems {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "models/bryant.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/sensor_place_toml.hpp"
 
 namespace wems {

@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "models/common/toml_table.hpp"
 #include "models/sensor_place.hpp"
-#include "models/toml_table.hpp"
 
 namespace wems {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "models/format_number.hpp"
-#include "models/recording/text_file.hpp"
-#include "models/units.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/text_file.hpp"
+#include "models/common/units.hpp"
 
 namespace wems {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "models/bryant.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/guided_motion.hpp"
 #include "models/mount_forces.hpp"
 

@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/text_file.hpp"
+#include "models/common/units.hpp"
 #include "models/power_spectrum.hpp"
-#include "models/recording/text_file.hpp"
-#include "models/units.hpp"
 
 namespace wems {
 namespace {

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "models/common/units.hpp"
 #include "models/excitation.hpp"
-#include "models/units.hpp"
 
 namespace wems {
 

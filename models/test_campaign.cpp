@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "models/error.hpp"
-#include "models/toml_table.hpp"
+#include "models/common/error.hpp"
+#include "models/common/toml_table.hpp"
 
 namespace wems {
 namespace {

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "models/bryant.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/guided_motion.hpp"
 #include "models/mount_forces.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/guided_motion.hpp"
 #include "models/mount_forces.hpp"
 #include "plugin/mount_force.hpp"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::plugin {
 

@@ -5,8 +5,8 @@
 #include <set>
 #include <sstream>
 
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/shock.hpp"
 #include "models/sweep_profile.hpp"

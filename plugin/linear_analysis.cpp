@@ -8,9 +8,9 @@
 #include <iostream>
 
 #include "models/command_line/standard_streams.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
-#include "models/text_table.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/text_table.hpp"
 #include "plugin/run_settings.hpp"
 
 namespace wems::plugin {

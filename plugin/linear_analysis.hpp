@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "models/atomic_file.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/text_table.hpp"
 #include "models/damped_modes.hpp"
 #include "models/device_drawing.hpp"
 #include "models/linear_response.hpp"
 #include "models/mount_model.hpp"
 #include "models/static_equilibrium.hpp"
-#include "models/text_table.hpp"
 #include "plugin/simulate_options.hpp"
 
 namespace wems::plugin {

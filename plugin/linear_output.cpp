@@ -1,11 +1,11 @@
 // Text, JSON and CSV of a linear analysis.
 #include <cmath>
 
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/text_table.hpp"
+#include "models/common/units.hpp"
 #include "models/report/html_report.hpp"
 #include "models/report/motion_scene.hpp"
-#include "models/text_table.hpp"
-#include "models/units.hpp"
 #include "plugin/linear_analysis.hpp"
 
 namespace wems::plugin {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::plugin {
 

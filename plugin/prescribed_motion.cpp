@@ -9,13 +9,13 @@
 #include <optional>
 #include <utility>
 
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/text_table.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_writer.hpp"
 #include "models/sampled_motion.hpp"
-#include "models/text_table.hpp"
 #include "plugin/linear_analysis.hpp"
 
 namespace wems::plugin {

@@ -6,8 +6,8 @@
 #include <tuple>
 #include <utility>
 
-#include "models/format_number.hpp"
-#include "models/progress.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/progress.hpp"
 #include "plugin/linear_analysis.hpp"
 #include "plugin/run_settings.hpp"
 

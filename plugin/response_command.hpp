@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "models/atomic_file.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/text_table.hpp"
 #include "models/periodic/response_curve.hpp"
-#include "models/text_table.hpp"
 #include "plugin/simulate_options.hpp"
 
 namespace wems::plugin {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <utility>
 
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/text_table.hpp"
 #include "models/report/html_report.hpp"
-#include "models/text_table.hpp"
 #include "plugin/response_command.hpp"
 
 namespace wems::plugin {

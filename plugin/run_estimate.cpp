@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <system_error>
 
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 
 namespace wems::plugin {
 namespace {

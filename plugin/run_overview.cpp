@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::plugin {

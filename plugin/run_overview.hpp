@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "models/common/text_table.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
-#include "models/text_table.hpp"
 #include "plugin/device.hpp"
 #include "plugin/drive.hpp"
 

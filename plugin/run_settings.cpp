@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
 #include "plugin/simbody.hpp"
 
 namespace wems::plugin {

@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "models/atomic_file.hpp"
 #include "models/command_line/standard_streams.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
-#include "models/progress.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/progress.hpp"
+#include "models/common/text_table.hpp"
 #include "models/recording/recording_writer.hpp"
-#include "models/text_table.hpp"
 #include "plugin/base_motion.hpp"
 #include "plugin/linear_analysis.hpp"
 #include "plugin/prescribed_motion.hpp"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "models/command_line/usage.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "plugin/excitation_kinds.hpp"
 

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/text_table.hpp"
 #include "models/report/html_report.hpp"
-#include "models/text_table.hpp"
 
 namespace wems::plugin {
 

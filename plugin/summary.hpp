@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "models/common/text_table.hpp"
 #include "models/mount_model.hpp"
 #include "models/report/motion_scene.hpp"
-#include "models/text_table.hpp"
 #include "plugin/device.hpp"
 #include "plugin/drive.hpp"
 #include "plugin/recorder.hpp"

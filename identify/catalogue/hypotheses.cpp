@@ -5,9 +5,9 @@
 #include <functional>
 #include <map>
 
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 #include "models/parameter_access.hpp"
-#include "models/units.hpp"
 
 namespace wems::identify::updating {
 namespace {

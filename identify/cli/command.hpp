@@ -12,10 +12,10 @@
 #include "identify/commands/format.hpp"
 #include "identify/commands/long_recordings.hpp"
 #include "identify/commands/recordings.hpp"
-#include "models/atomic_file.hpp"
-#include "models/progress.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/progress.hpp"
+#include "models/common/text_table.hpp"
 #include "models/result/result_record.hpp"
-#include "models/text_table.hpp"
 
 namespace wems::identify::cli {
 

@@ -12,7 +12,7 @@
 #include "identify/commands/fit_output.hpp"
 #include "identify/commands/plan.hpp"
 #include "models/command_line/usage.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/recording_reader.hpp"
 
 namespace wems::identify::cli {

@@ -9,8 +9,8 @@
 #include "identify/commands/recordings.hpp"
 #include "identify/fit/stored_equations.hpp"
 #include "models/command_line/usage.hpp"
+#include "models/common/progress.hpp"
 #include "models/mount_model.hpp"
-#include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 

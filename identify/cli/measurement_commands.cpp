@@ -10,7 +10,7 @@
 #include "identify/commands/rigidity.hpp"
 #include "identify/commands/spectra.hpp"
 #include "models/command_line/usage.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/recording_reader.hpp"
 
 namespace wems::identify::cli {

@@ -8,7 +8,7 @@
 #include "identify/commands/recordings.hpp"
 #include "identify/commands/schemas.hpp"
 #include "models/command_line/usage.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/parameter_access.hpp"
 #include "models/report/html_report.hpp"
 

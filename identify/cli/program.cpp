@@ -11,7 +11,7 @@
 #include "identify/cli/command.hpp"
 #include "models/command_line/standard_streams.hpp"
 #include "models/command_line/usage.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::identify::cli {
 

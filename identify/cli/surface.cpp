@@ -14,8 +14,8 @@
 #include "identify/component/friction_model.hpp"
 #include "identify/fit/law_verdict.hpp"
 #include "models/command_line/usage.hpp"
-#include "models/error.hpp"
-#include "models/progress.hpp"
+#include "models/common/error.hpp"
+#include "models/common/progress.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording_reader.hpp"
 

@@ -11,7 +11,7 @@
 #include "identify/commands/run_pictures.hpp"
 #include "identify/inspect/order_tracking.hpp"
 #include "identify/spectra/welch.hpp"
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::commands {

@@ -8,9 +8,9 @@
 
 #include "identify/commands/recordings.hpp"
 #include "identify/forward/compare.hpp"
-#include "models/atomic_file.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/text_table.hpp"
 #include "models/report/html_report.hpp"
-#include "models/text_table.hpp"
 
 namespace wems::identify::commands {
 

@@ -9,7 +9,7 @@
 #include "identify/commands/format.hpp"
 #include "identify/component/component_diagnosis.hpp"
 #include "identify/component/component_fit.hpp"
-#include "models/text_table.hpp"
+#include "models/common/text_table.hpp"
 
 namespace wems::identify::commands {
 

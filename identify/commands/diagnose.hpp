@@ -8,9 +8,9 @@
 
 #include "identify/commands/recordings.hpp"
 #include "identify/component/component_data.hpp"
-#include "identify/diagnose/diagnosis.hpp"
-#include "models/atomic_file.hpp"
-#include "models/text_table.hpp"
+#include "identify/verdict/diagnosis.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/text_table.hpp"
 
 namespace wems::identify::commands {
 

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "identify/commands/format.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 #include "models/parameter_access.hpp"
 
 namespace wems::identify::commands {
@@ -32,12 +32,12 @@ nlohmann::json makeParameters(const std::vector<CauseParameter>& parameters, boo
 }
 
 /// What was tried in which order: the search among exact numbers, or that with tolerances.
-nlohmann::json makeDecisions(const std::vector<Round>& rounds, const std::vector<Decision>& decisions) {
+nlohmann::json makeDecisions(const std::vector<SearchRound>& rounds, const std::vector<Decision>& decisions) {
     auto list = nlohmann::json::array();
     for (const auto& round : rounds) {
         auto candidates = nlohmann::json::array();
         for (const auto& trial : round.trials)
-            candidates.push_back({{"cause", trial.candidate.describe()},
+            candidates.push_back({{"cause", trial.cause},
                                   {"identification", numberOrNull(trial.identification)},
                                   {"validation", numberOrNull(trial.validation)}});
         list.push_back({{"action", round.reason}, {"candidates", candidates}});
@@ -107,7 +107,7 @@ nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis) {
             {"validated", diagnosis.validated}};
 }
 
-std::string describePlace(const Round& round) {
+std::string describePlace(const SearchRound& round) {
     if (!(round.identification_before > 1) || !(round.place_share > 0))
         return "what the mount leaves does not exceed the noise";
     return "a force of any history along " + round.place + " alone could make " +
@@ -192,8 +192,8 @@ std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
         Table table({"candidate", "identification", "validation", ""});
         for (std::size_t i = 0; i < round.trials.size(); ++i) {
             const auto& trial = round.trials[i];
-            table.addRow({trial.candidate.describe(), formatNumber(trial.identification, 4),
-                          formatNumber(trial.validation, 4), static_cast<int>(i) == round.taken ? "taken" : ""});
+            table.addRow({trial.cause, formatNumber(trial.identification, 4), formatNumber(trial.validation, 4),
+                          static_cast<int>(i) == round.taken ? "taken" : ""});
         }
         if (!table.empty()) text += table.format(style);
     }

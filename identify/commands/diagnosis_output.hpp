@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "identify/diagnose/diagnosis.hpp"
-#include "models/atomic_file.hpp"
+#include "identify/verdict/diagnosis.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/text_table.hpp"
 #include "models/recording/recording.hpp"
-#include "models/text_table.hpp"
 
 namespace wems::identify::commands {
 
 nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis);
 /// At which axis alone a force could make most of what the mount leaves, if it leaves more than noise.
-std::string describePlace(const Round& round);
+std::string describePlace(const SearchRound& round);
 /// A round of the search with tolerances as a sentence, and its candidates with their log odds.
 std::string describeDecision(const Decision& decision);
 std::vector<std::vector<std::string>> tabulateCandidates(const Decision& decision);

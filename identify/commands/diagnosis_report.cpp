@@ -7,7 +7,7 @@
 #include "identify/commands/restoring_forces.hpp"
 #include "identify/commands/run_pictures.hpp"
 #include "identify/motion/swept_frequency.hpp"
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::commands {
@@ -107,7 +107,7 @@ void addRounds(const Diagnosis& diagnosis, HtmlReport& page) {
             const auto& trial = round.trials[i];
             std::vector<std::string> values;
             for (const double value : trial.values) values.push_back(formatNumber(value));
-            rows.push_back({trial.candidate.describe(), joinWords(values, ", "), formatNumber(trial.identification, 4),
+            rows.push_back({trial.cause, joinWords(values, ", "), formatNumber(trial.identification, 4),
                             formatNumber(trial.validation, 4), static_cast<int>(i) == round.taken ? "taken" : ""});
         }
         if (!rows.empty()) page.addTable({"candidate", "values, SI", "identification", "validation", ""}, rows);

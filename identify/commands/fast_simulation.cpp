@@ -3,11 +3,11 @@
 #include <optional>
 
 #include "identify/commands/recordings.hpp"
-#include "identify/diagnose/expectation.hpp"
+#include "identify/exact/expectation.hpp"
 #include "identify/forward/drive.hpp"
 #include "identify/forward/forward_model.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 
 namespace wems::identify::commands {
 namespace {

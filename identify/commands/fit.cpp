@@ -13,7 +13,7 @@
 #include "identify/fit/fit.hpp"
 #include "identify/fit/law_verdict.hpp"
 #include "identify/motion/parallel.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/mount_model.hpp"
 #include "models/report/html_report.hpp"
 #include "models/sampled_motion.hpp"

@@ -12,8 +12,8 @@
 #include "identify/commands/long_recordings.hpp"
 #include "identify/commands/recordings.hpp"
 #include "identify/component/component_fit.hpp"
-#include "models/atomic_file.hpp"
-#include "models/text_table.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/text_table.hpp"
 
 namespace wems::identify::commands {
 

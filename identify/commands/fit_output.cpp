@@ -7,11 +7,11 @@
 #include "identify/commands/format.hpp"
 #include "identify/commands/restoring_forces.hpp"
 #include "identify/commands/run_pictures.hpp"
-#include "identify/diagnose/whitening.hpp"
+#include "identify/exact/whitening.hpp"
 #include "identify/fit/law_verdict.hpp"
 #include "identify/motion/swept_frequency.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::commands {

@@ -10,10 +10,10 @@
 
 #include "identify/fit/fit.hpp"
 #include "identify/motion/motion.hpp"
-#include "models/atomic_file.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/text_table.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
-#include "models/text_table.hpp"
 
 namespace wems::identify::commands {
 

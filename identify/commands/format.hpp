@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "models/text_table.hpp"
+#include "models/common/text_table.hpp"
 
 namespace wems::identify::commands {
 

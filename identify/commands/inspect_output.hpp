@@ -11,8 +11,8 @@
 
 #include "identify/inspect/inspection.hpp"
 #include "identify/inspect/quality.hpp"
-#include "models/atomic_file.hpp"
-#include "models/text_table.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/text_table.hpp"
 
 namespace wems::identify::commands {
 

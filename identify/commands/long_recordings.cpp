@@ -5,9 +5,9 @@
 
 #include "identify/commands/recordings.hpp"
 #include "identify/component/component_data.hpp"
+#include "identify/inspect/connection_checks.hpp"
 #include "identify/inspect/inspection.hpp"
-#include "models/error.hpp"
-#include "models/recording/connection_checks.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_stream.hpp"
 

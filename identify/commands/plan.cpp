@@ -8,8 +8,8 @@
 #include "identify/commands/recordings.hpp"
 #include "identify/component/component_data.hpp"
 #include "identify/motion/parallel.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 #include "models/mount_model.hpp"
 #include "models/report/html_report.hpp"
 

@@ -7,13 +7,13 @@
 
 #include "identify/forward/compare.hpp"
 #include "identify/forward/step_size.hpp"
+#include "identify/inspect/connection_checks.hpp"
 #include "identify/inspect/quality.hpp"
 #include "identify/motion/motion.hpp"
 #include "identify/motion/swept_frequency.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 #include "models/linear_modes.hpp"
-#include "models/recording/connection_checks.hpp"
 #include "models/recording/recording_reader.hpp"
 
 namespace wems::identify::commands {

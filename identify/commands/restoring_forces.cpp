@@ -10,7 +10,7 @@
 #include "identify/component/surface.hpp"
 #include "identify/problem/mount_equation.hpp"
 #include "identify/problem/open_loop_run.hpp"
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::commands {

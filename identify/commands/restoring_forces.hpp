@@ -20,7 +20,7 @@
 #include "identify/component/component_data.hpp"
 #include "identify/component/surface.hpp"
 #include "identify/motion/swept_frequency.hpp"
-#include "models/atomic_file.hpp"
+#include "models/common/atomic_file.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::commands {

@@ -8,8 +8,8 @@
 #include "identify/commands/format.hpp"
 #include "identify/commands/inspect_output.hpp"
 #include "identify/commands/recordings.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::commands {

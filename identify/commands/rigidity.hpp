@@ -8,8 +8,8 @@
 #include "identify/commands/recordings.hpp"
 #include "identify/inspect/quality.hpp"
 #include "identify/motion/rigidity.hpp"
-#include "models/atomic_file.hpp"
-#include "models/text_table.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/text_table.hpp"
 
 namespace wems::identify::commands {
 

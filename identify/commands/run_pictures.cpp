@@ -4,15 +4,15 @@
 #include <cmath>
 #include <vector>
 
-#include "identify/diagnose/channel_faults.hpp"
-#include "identify/diagnose/pass.hpp"
-#include "identify/diagnose/whitening.hpp"
+#include "identify/exact/channel_faults.hpp"
+#include "identify/exact/pass.hpp"
+#include "identify/exact/whitening.hpp"
 #include "identify/forward/compare.hpp"
 #include "identify/forward/forward_model.hpp"
 #include "identify/inspect/order_tracking.hpp"
 #include "identify/motion/spectrum.hpp"
-#include "models/format_number.hpp"
-#include "models/units.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify::commands {
 

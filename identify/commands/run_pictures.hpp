@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "identify/diagnose/diagnosis.hpp"
 #include "identify/fit/remainder.hpp"
 #include "identify/motion/motion.hpp"
+#include "identify/verdict/diagnosis.hpp"
 #include "models/report/html_report.hpp"
 
 namespace wems::identify::commands {

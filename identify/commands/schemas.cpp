@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 
 namespace wems::identify::commands {
 namespace {

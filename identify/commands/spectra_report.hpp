@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "identify/spectra/run_spectra.hpp"
+#include "models/common/text_table.hpp"
 #include "models/report/html_report.hpp"
-#include "models/text_table.hpp"
 
 namespace wems::identify::commands {
 

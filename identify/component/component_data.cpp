@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "identify/fit/intervals.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/sampled_motion.hpp"
 
 namespace wems::identify {

@@ -13,7 +13,7 @@
 #include "identify/component/component_data.hpp"
 #include "identify/component/law_fit.hpp"
 #include "identify/component/surface.hpp"
-#include "identify/diagnose/diagnosis.hpp"
+#include "identify/verdict/diagnosis.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {

@@ -6,7 +6,7 @@
 
 #include "identify/component/block_regression.hpp"
 #include "identify/component/component_data.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::identify {
 

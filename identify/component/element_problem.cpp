@@ -6,10 +6,10 @@
 #include <map>
 #include <utility>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 #include "models/model_tolerance.hpp"
 #include "models/sampled_motion.hpp"
-#include "models/units.hpp"
 
 namespace wems::identify {
 

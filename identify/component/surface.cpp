@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "identify/component/block_regression.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::identify {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "models/bryant.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 

@@ -11,7 +11,7 @@
 #include "identify/fit/slow_offset.hpp"
 #include "identify/fit/stored_equations.hpp"
 #include "identify/motion/parallel.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::identify {
 

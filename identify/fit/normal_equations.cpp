@@ -9,8 +9,8 @@
 
 #include "identify/motion/parallel.hpp"
 #include "models/bryant.hpp"
+#include "models/common/units.hpp"
 #include "models/parameter_access.hpp"
-#include "models/units.hpp"
 
 namespace wems::identify {
 

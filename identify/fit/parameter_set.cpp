@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 #include "models/parameter_access.hpp"
-#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

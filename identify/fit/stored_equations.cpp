@@ -9,8 +9,8 @@
 
 #include "identify/fit/intervals.hpp"
 #include "identify/fit/slow_offset.hpp"
-#include "models/error.hpp"
-#include "models/recording/text_file.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
 
 namespace wems::identify {
 

@@ -12,7 +12,7 @@
 
 #include "identify/fit/equation_of_motion.hpp"
 #include "identify/fit/fit.hpp"
-#include "models/atomic_file.hpp"
+#include "models/common/atomic_file.hpp"
 
 namespace wems::identify {
 

@@ -7,8 +7,8 @@
 #include "identify/forward/forward_model.hpp"
 #include "identify/motion/motion.hpp"
 #include "identify/motion/spectrum.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 
 namespace wems::identify {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/mount_forces.hpp"
 
 namespace wems::identify {

@@ -8,7 +8,7 @@
 
 #include "identify/forward/relative_displacement.hpp"
 #include "models/bryant.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <Eigen/LU>
 
+#include "models/common/units.hpp"
 #include "models/mount_forces.hpp"
-#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -8,7 +8,7 @@
 #include "identify/motion/spectrum.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "models/bryant.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/mount_forces.hpp"
 
 namespace wems::identify {

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "models/bryant.hpp"
-#include "models/format_number.hpp"
-#include "models/units.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 

@@ -7,7 +7,7 @@
 #include "identify/motion/noise_estimate.hpp"
 #include "identify/motion/real_transform.hpp"
 #include "identify/motion/rigid_fit.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 

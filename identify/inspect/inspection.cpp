@@ -5,15 +5,15 @@
 #include <cmath>
 
 #include "identify/forward/relative_displacement.hpp"
+#include "identify/inspect/connection_checks.hpp"
 #include "identify/inspect/order_tracking.hpp"
 #include "identify/inspect/slow_defects.hpp"
 #include "identify/motion/motion.hpp"
 #include "identify/motion/noise_estimate.hpp"
 #include "identify/motion/rigid_fit.hpp"
 #include "identify/motion/rigidity.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
-#include "models/recording/connection_checks.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 
 namespace wems::identify {
 

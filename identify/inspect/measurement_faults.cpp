@@ -7,8 +7,8 @@
 #include <tuple>
 
 #include "identify/inspect/fault_misfit.hpp"
-#include "models/format_number.hpp"
-#include "models/units.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 

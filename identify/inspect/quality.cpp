@@ -11,9 +11,9 @@
 
 #include "identify/inspect/channel_cells.hpp"
 #include "identify/motion/motion.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
-#include "models/units.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 

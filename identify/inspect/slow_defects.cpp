@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "identify/motion/noise_estimate.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "identify/motion/motion.hpp"
 #include "identify/motion/real_transform.hpp"
-#include "models/error.hpp"
-#include "models/units.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 

@@ -7,7 +7,7 @@
 
 #include "identify/motion/guided_part_motion.hpp"
 #include "identify/motion/part_motion.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/mount_forces.hpp"
 
 namespace wems::identify {

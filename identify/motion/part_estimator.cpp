@@ -7,7 +7,7 @@
 #include "identify/motion/part_motion.hpp"
 #include "identify/motion/spectrum.hpp"
 #include "identify/motion/swept_frequency.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::identify {
 

@@ -12,8 +12,8 @@
 #include "identify/motion/spectrum.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "models/bryant.hpp"
-#include "models/error.hpp"
-#include "models/units.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 

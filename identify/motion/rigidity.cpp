@@ -8,8 +8,8 @@
 #include "identify/motion/motion.hpp"
 #include "identify/motion/part_motion.hpp"
 #include "identify/motion/rigid_fit.hpp"
-#include "models/error.hpp"
-#include "models/units.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "identify/motion/real_transform.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "identify/paper/truncated_svd.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::identify {
 namespace {

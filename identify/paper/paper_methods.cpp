@@ -12,9 +12,9 @@
 #include "identify/paper/single_axis.hpp"
 #include "models/command_line/standard_streams.hpp"
 #include "models/command_line/usage.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/progress.hpp"
 #include "models/mount_model.hpp"
-#include "models/progress.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/report/html_report.hpp"
 

@@ -11,7 +11,7 @@
 #include "identify/motion/rigid_fit.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "models/bryant.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::identify {
 

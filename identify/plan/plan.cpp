@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "identify/forward/forward_model.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {

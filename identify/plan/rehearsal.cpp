@@ -4,10 +4,10 @@
 #include <cmath>
 #include <random>
 
-#include "identify/diagnose/expectation.hpp"
+#include "identify/exact/expectation.hpp"
 #include "identify/forward/forward_model.hpp"
+#include "models/common/format_number.hpp"
 #include "models/excitation.hpp"
-#include "models/format_number.hpp"
 
 namespace wems::identify {
 namespace {

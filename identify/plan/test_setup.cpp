@@ -9,10 +9,10 @@
 #include "identify/fit/law_history.hpp"
 #include "identify/motion/noise_estimate.hpp"
 #include "identify/motion/swept_frequency.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 #include "models/mount_forces.hpp"
-#include "models/units.hpp"
 
 namespace wems::identify {
 

@@ -5,7 +5,7 @@
 #include <complex>
 
 #include "identify/problem/mount_equation.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 namespace {

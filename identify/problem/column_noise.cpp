@@ -9,7 +9,7 @@
 #include "identify/problem/mount_equation.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "models/axis_law.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 namespace {

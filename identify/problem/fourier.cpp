@@ -5,7 +5,7 @@
 #include <complex>
 #include <vector>
 
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 

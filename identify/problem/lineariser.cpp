@@ -7,7 +7,7 @@
 #include "identify/problem/mount_equation.hpp"
 #include "models/axis_law.hpp"
 #include "models/bryant.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 namespace {

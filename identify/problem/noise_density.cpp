@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "identify/problem/fourier.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 

@@ -8,8 +8,8 @@
 #include "identify/problem/fourier.hpp"
 #include "identify/problem/noise_density.hpp"
 #include "models/bryant.hpp"
+#include "models/common/units.hpp"
 #include "models/mount_forces.hpp"
-#include "models/units.hpp"
 
 namespace wems::identify {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 namespace {

@@ -8,7 +8,7 @@
 #include "identify/motion/rigid_fit.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "models/bryant.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 namespace {

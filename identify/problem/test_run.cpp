@@ -6,7 +6,7 @@
 
 #include "identify/motion/motion.hpp"
 #include "models/bryant.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::identify {
 namespace {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 #include "models/parameter_access.hpp"
 #include "models/parameter_name.hpp"
 #include "models/tolerances.hpp"
-#include "models/units.hpp"
 
 namespace wems::identify {
 namespace {

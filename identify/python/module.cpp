@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "identify/python/bindings.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/parameter_access.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_table.hpp"

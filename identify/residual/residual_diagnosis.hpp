@@ -2,8 +2,8 @@
 /// The diagnosis of a residual problem: errors, causes with their probabilities and rivals, adjustments, band.
 #pragma once
 
-#include "identify/diagnose/diagnosis.hpp"
 #include "identify/residual/residual_search.hpp"
+#include "identify/verdict/diagnosis.hpp"
 
 namespace wems::identify {
 

@@ -17,9 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "identify/diagnose/diagnosis.hpp"
 #include "identify/problem/unknown.hpp"
 #include "identify/solve/evidence.hpp"
+#include "identify/verdict/diagnosis.hpp"
 
 namespace wems::identify {
 

@@ -6,7 +6,7 @@
 
 #include "identify/fit/law_history.hpp"
 #include "identify/forward/relative_displacement.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::identify {
 

@@ -4,8 +4,8 @@
 
 #include "identify/motion/motion.hpp"
 #include "identify/motion/swept_frequency.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 
 namespace wems::identify {
 namespace {

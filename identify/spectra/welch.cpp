@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "identify/motion/real_transform.hpp"
-#include "models/error.hpp"
-#include "models/units.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 

@@ -10,8 +10,8 @@
 
 #include "identify/forward/forward_model.hpp"
 #include "identify/motion/parallel.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 
 namespace wems::identify::updating {
 

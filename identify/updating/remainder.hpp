@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "identify/diagnose/pass.hpp"
 #include "identify/updating/selection.hpp"
+#include "identify/verdict/free_error.hpp"
 
 namespace wems::identify::updating {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "identify/diagnose/diagnosis.hpp"
 #include "identify/updating/settling.hpp"
+#include "identify/verdict/diagnosis.hpp"
 
 namespace wems::identify::updating {
 

@@ -6,11 +6,11 @@
 #include <limits>
 #include <utility>
 
-#include "identify/diagnose/pass.hpp"
 #include "identify/motion/parallel.hpp"
 #include "identify/problem/open_loop_run.hpp"
+#include "identify/verdict/free_error.hpp"
 #include "models/bryant.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::identify::updating {
 namespace {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "identify/diagnose/pass.hpp"
 #include "identify/updating/naming.hpp"
 #include "identify/updating/remainder.hpp"
 #include "identify/updating/test_problem.hpp"
-#include "models/error.hpp"
+#include "identify/verdict/free_error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems::identify::updating {
 namespace {

@@ -10,7 +10,7 @@
 
 #include <vector>
 
-#include "identify/diagnose/diagnosis.hpp"
+#include "identify/verdict/diagnosis.hpp"
 
 namespace wems::identify::updating {
 

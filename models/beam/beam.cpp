@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems {
 

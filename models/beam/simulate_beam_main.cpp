@@ -3,7 +3,7 @@
 #include <iostream>
 
 #include "models/beam/beam.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/recording_writer.hpp"
 
 int main(int argc, char** argv) {

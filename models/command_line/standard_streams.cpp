@@ -14,7 +14,7 @@
 #include <string>
 #include <system_error>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "models/atomic_file.hpp"
-#include "models/error.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/error.hpp"
 
 namespace wems {
 

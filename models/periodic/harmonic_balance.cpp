@@ -8,10 +8,10 @@
 #include <cmath>
 #include <vector>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 #include "models/mount_forces.hpp"
 #include "models/static_equilibrium.hpp"
-#include "models/units.hpp"
 
 namespace wems {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <ctime>
 
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 #include "models/periodic/continuation.hpp"
-#include "models/units.hpp"
 
 namespace wems {
 namespace {

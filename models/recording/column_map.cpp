@@ -4,11 +4,11 @@
 #include <cmath>
 #include <set>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
+#include "models/common/toml_table.hpp"
 #include "models/recording/csv_layout.hpp"
 #include "models/recording/recording.hpp"
-#include "models/recording/text_file.hpp"
-#include "models/toml_table.hpp"
 
 namespace wems {
 

@@ -6,10 +6,10 @@
 #include <array>
 #include <utility>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
+#include "models/common/units.hpp"
 #include "models/recording/column_map.hpp"
-#include "models/recording/text_file.hpp"
-#include "models/units.hpp"
 
 namespace wems {
 namespace {

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <limits>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording_table.hpp"
-#include "models/recording/text_file.hpp"
 
 namespace wems {
 

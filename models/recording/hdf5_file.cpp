@@ -7,8 +7,8 @@
 #include <memory>
 #include <utility>
 
-#include "models/error.hpp"
-#include "models/recording/text_file.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
 
 namespace wems {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/mat_reader.hpp"
 
 namespace wems {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems {
 namespace {

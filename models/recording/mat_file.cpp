@@ -9,8 +9,8 @@
 #include <memory>
 #include <vector>
 
-#include "models/error.hpp"
-#include "models/recording/text_file.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
 
 namespace wems {
 

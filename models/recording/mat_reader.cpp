@@ -4,8 +4,8 @@
 #include <cctype>
 #include <map>
 
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 #include "models/recording/hdf5_file.hpp"
 #include "models/recording/separate_reader.hpp"
 

@@ -15,10 +15,10 @@
 #include <string>
 #include <string_view>
 
+#include "models/common/text_file.hpp"
 #include "models/recording/line_cursor.hpp"
 #include "models/recording/recording_stream.hpp"
 #include "models/recording/recording_table.hpp"
-#include "models/recording/text_file.hpp"
 
 namespace wems {
 

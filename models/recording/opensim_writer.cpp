@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 #include "models/recording/recording_writer.hpp"
 
 namespace wems {

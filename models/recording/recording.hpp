@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems {
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems {
 

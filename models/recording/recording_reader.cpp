@@ -5,7 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
 #include "models/recording/csv_reader.hpp"
 #include "models/recording/json_reader.hpp"
 #include "models/recording/lvm_reader.hpp"
@@ -13,7 +14,6 @@
 #include "models/recording/mat_reader.hpp"
 #include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_table.hpp"
-#include "models/recording/text_file.hpp"
 #include "models/recording/uff_reader.hpp"
 
 namespace wems {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems {
 

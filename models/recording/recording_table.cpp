@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
 #include "models/recording/recording_checks.hpp"
-#include "models/recording/text_file.hpp"
 
 namespace wems {
 namespace {

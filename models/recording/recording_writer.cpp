@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/opensim_writer.hpp"
 
 namespace wems {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "models/atomic_file.hpp"
+#include "models/common/atomic_file.hpp"
 #include "models/recording/recording.hpp"
 
 namespace wems {

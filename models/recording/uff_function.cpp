@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace wems {
 

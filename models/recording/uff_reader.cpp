@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "models/error.hpp"
-#include "models/recording/text_file.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
 #include "models/recording/uff_function.hpp"
 
 namespace wems {

@@ -17,9 +17,9 @@
 #include <string_view>
 #include <vector>
 
+#include "models/common/text_file.hpp"
 #include "models/recording/recording_stream.hpp"
 #include "models/recording/recording_table.hpp"
-#include "models/recording/text_file.hpp"
 #include "models/recording/uff_function.hpp"
 
 namespace wems {

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "models/atomic_file.hpp"
+#include "models/common/atomic_file.hpp"
 #include "models/report/html_text.hpp"
 #include "models/report/motion_scene.hpp"
 

@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
 #include "models/model_tolerance.hpp"
 
 namespace wems {

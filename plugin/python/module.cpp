@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "identify/python/bindings.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/recording.hpp"
 #include "plugin/linear_analysis.hpp"
 #include "plugin/prescribed_motion.hpp"

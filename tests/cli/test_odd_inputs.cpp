@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "run_program.hpp"
 

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "identify/component/component_diagnosis.hpp"
+#include "models/common/units.hpp"
 #include "models/sampled_motion.hpp"
-#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

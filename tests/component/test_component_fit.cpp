@@ -6,7 +6,7 @@
 
 #include "identify/component/component_fit.hpp"
 #include "models/axis_law.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "tests/component/synthetic_test.hpp"
 #include "tests/seed.hpp"
 

@@ -5,8 +5,8 @@
 
 #include "identify/component/block_regression.hpp"
 #include "identify/component/component_diagnosis.hpp"
+#include "models/common/units.hpp"
 #include "models/sampled_motion.hpp"
-#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

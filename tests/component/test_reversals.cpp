@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "identify/component/component_data.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 namespace {

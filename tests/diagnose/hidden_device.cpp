@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "identify/forward/forward_model.hpp"
+#include "models/common/units.hpp"
 #include "models/excitation.hpp"
-#include "models/units.hpp"
 
 namespace wems::identify::testing {
 namespace {

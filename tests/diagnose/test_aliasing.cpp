@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "identify/problem/fourier.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems::identify;

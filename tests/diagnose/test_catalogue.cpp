@@ -5,7 +5,7 @@
 #include <iterator>
 #include <random>
 
-#include "identify/diagnose/catalogue.hpp"
+#include "identify/exact/catalogue.hpp"
 #include "tests/diagnose/hidden_device.hpp"
 #include "tests/hidden/random_case.hpp"
 #include "tests/seed.hpp"

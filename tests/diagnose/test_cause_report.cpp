@@ -3,11 +3,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "identify/diagnose/catalogue.hpp"
-#include "identify/diagnose/channel_faults.hpp"
-#include "identify/diagnose/diagnosis.hpp"
+#include "identify/exact/catalogue.hpp"
+#include "identify/exact/cause_reports.hpp"
+#include "identify/exact/channel_faults.hpp"
+#include "models/common/units.hpp"
 #include "models/parameter_access.hpp"
-#include "models/units.hpp"
 
 using namespace wems;
 using namespace wems::identify;

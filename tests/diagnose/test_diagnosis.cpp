@@ -3,7 +3,7 @@
 #include <random>
 #include <string>
 
-#include "identify/diagnose/diagnosis.hpp"
+#include "identify/diagnose/diagnose.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/diagnose/draw_until.hpp"
 #include "tests/diagnose/hidden_device.hpp"

@@ -1,9 +1,9 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "identify/diagnose/expectation.hpp"
-#include "identify/diagnose/open_loop_problem.hpp"
-#include "identify/diagnose/pass.hpp"
+#include "identify/exact/expectation.hpp"
+#include "identify/exact/open_loop_problem.hpp"
+#include "identify/exact/pass.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/diagnose/hidden_device.hpp"
 #include "tests/seed.hpp"

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <random>
 
-#include "identify/diagnose/expectation.hpp"
-#include "identify/diagnose/open_loop_problem.hpp"
-#include "identify/diagnose/trial_fits.hpp"
+#include "identify/exact/expectation.hpp"
+#include "identify/exact/open_loop_problem.hpp"
+#include "identify/exact/trial_fits.hpp"
 #include "identify/motion/motion.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/diagnose/hidden_device.hpp"

@@ -5,7 +5,7 @@
 
 #include "identify/problem/mount_equation.hpp"
 #include "identify/problem/noise_density.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems::identify;

@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "identify/diagnose/diagnosis.hpp"
+#include "identify/diagnose/diagnose.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "tests/diagnose/draw_until.hpp"
 #include "tests/hidden/random_case.hpp"

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <random>
 
-#include "identify/diagnose/missing_mode.hpp"
-#include "models/units.hpp"
+#include "identify/exact/missing_mode.hpp"
+#include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

@@ -3,7 +3,7 @@
 #include <random>
 
 #include "models/axis_numbers.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/diagnose/hidden_device.hpp"
 

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "identify/fit/fit.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/fit/synthetic_run.hpp"
 #include "tests/sanitized.hpp"

@@ -8,7 +8,7 @@
 
 #include "identify/fit/fit.hpp"
 #include "identify/fit/stored_equations.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/fit/synthetic_run.hpp"
 #include "tests/seed.hpp"
 

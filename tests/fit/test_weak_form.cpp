@@ -9,7 +9,7 @@
 #include "identify/fit/equation_of_motion.hpp"
 #include "identify/fit/intervals.hpp"
 #include "identify/fit/law_history.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::test {
 

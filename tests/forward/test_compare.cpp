@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "identify/forward/compare.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 #include "models/excitation.hpp"
-#include "models/units.hpp"
 #include "tests/forward/forward_fixture.hpp"
 
 using namespace wems;

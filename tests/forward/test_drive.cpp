@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 #include "models/excitation.hpp"
-#include "models/units.hpp"
 #include "tests/forward/forward_fixture.hpp"
 
 using namespace wems;

@@ -5,7 +5,7 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "models/bryant.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/forward/forward_fixture.hpp"
 
 using namespace wems;

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "identify/forward/kinks.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/forward/forward_fixture.hpp"
 #include "tests/seed.hpp"
 

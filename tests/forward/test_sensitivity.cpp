@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "identify/forward/ensemble.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "tests/forward/forward_fixture.hpp"
 
 using namespace wems;

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "identify/cli/program.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/mount_model.hpp"
 #include "tests/fuzz/drawn_model.hpp"
 #include "tests/fuzz/drawn_recording.hpp"

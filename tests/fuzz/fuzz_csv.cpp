@@ -3,7 +3,7 @@
 #include <optional>
 #include <string_view>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/csv_reader.hpp"
 #include "tests/fuzz/promises.hpp"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_table.hpp"

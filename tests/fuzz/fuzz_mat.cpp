@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/mat_file.hpp"
 #include "models/recording/mat_reader.hpp"
 #include "tests/fuzz/promises.hpp"

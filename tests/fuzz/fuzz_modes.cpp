@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "models/bracket.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/mount_model.hpp"
 
 namespace {

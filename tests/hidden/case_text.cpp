@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "models/format_number.hpp"
+#include "models/common/format_number.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/hidden/time_scale.hpp"
 

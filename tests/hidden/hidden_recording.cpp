@@ -8,8 +8,8 @@
 
 #include "identify/problem/fourier.hpp"
 #include "models/bryant.hpp"
-#include "models/format_number.hpp"
-#include "models/units.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 #include "tests/hidden/time_scale.hpp"
 
 namespace wems::hidden {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::hidden {
 

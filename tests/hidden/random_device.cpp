@@ -1,7 +1,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/hidden/random_case.hpp"
 
 namespace wems::hidden {

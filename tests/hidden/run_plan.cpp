@@ -4,8 +4,8 @@
 #include <cmath>
 #include <memory>
 
+#include "models/common/units.hpp"
 #include "models/excitation.hpp"
-#include "models/units.hpp"
 
 namespace wems::hidden {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::hidden {
 namespace {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include "models/common/units.hpp"
 #include "models/parameter_access.hpp"
-#include "models/units.hpp"
 #include "tests/hidden/hidden_recording.hpp"
 #include "tests/hidden/time_scale.hpp"
 #include "tests/seed.hpp"

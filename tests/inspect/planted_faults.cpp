@@ -7,8 +7,8 @@
 #include <set>
 
 #include "models/bryant.hpp"
-#include "models/format_number.hpp"
-#include "models/units.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/units.hpp"
 #include "tests/hidden/device_motion.hpp"
 #include "tests/hidden/random_case.hpp"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::test {
 namespace {

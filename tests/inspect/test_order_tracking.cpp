@@ -4,7 +4,7 @@
 #include <random>
 
 #include "identify/inspect/order_tracking.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify {
 namespace {}  // namespace

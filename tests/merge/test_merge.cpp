@@ -5,8 +5,8 @@
 #include <random>
 
 #include "identify/merge/merge.hpp"
-#include "models/error.hpp"
-#include "models/units.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
 namespace wems::identify {

@@ -15,8 +15,8 @@
 #include <thread>
 #include <vector>
 
-#include "models/atomic_file.hpp"
-#include "models/error.hpp"
+#include "models/common/atomic_file.hpp"
+#include "models/common/error.hpp"
 
 using namespace wems;
 using Catch::Contains;

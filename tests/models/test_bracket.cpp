@@ -3,7 +3,7 @@
 
 #include "models/bracket.hpp"
 #include "models/bryant.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/models/random_values.hpp"
 
 using namespace wems;

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "models/bracket.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 
 using namespace wems;
 

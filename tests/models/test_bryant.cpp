@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "models/bryant.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/models/random_values.hpp"
 
 using namespace wems;

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <fstream>
 
+#include "models/common/error.hpp"
 #include "models/device_drawing.hpp"
-#include "models/error.hpp"
 #include "models/mount_model.hpp"
 #include "tests/cli/run_program.hpp"
 

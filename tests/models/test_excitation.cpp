@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 #include "models/excitation.hpp"
-#include "models/units.hpp"
 
 using namespace wems;
 

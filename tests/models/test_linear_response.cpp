@@ -5,10 +5,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 #include "models/damped_modes.hpp"
-#include "models/error.hpp"
 #include "models/linear_response.hpp"
-#include "models/units.hpp"
 #include "tests/models/oscillator.hpp"
 #include "tests/plugin/sample_models.hpp"
 

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/mount_model.hpp"
 
 using namespace wems;

@@ -10,10 +10,10 @@
 #include <string>
 
 #include "models/axis_numbers.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 #include "models/law_equality.hpp"
 #include "models/mount_forces.hpp"
-#include "models/units.hpp"
 #include "tests/models/random_values.hpp"
 
 using namespace wems;

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
+#include "models/common/units.hpp"
 #include "models/mount_forces.hpp"
-#include "models/units.hpp"
 #include "tests/models/random_values.hpp"
 
 using namespace wems;

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <complex>
 
+#include "models/common/units.hpp"
 #include "models/shock.hpp"
-#include "models/units.hpp"
 
 using namespace wems;
 using Complex = std::complex<double>;

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include "models/common/units.hpp"
 #include "models/sampled_motion.hpp"
-#include "models/units.hpp"
 #include "tests/models/random_values.hpp"
 #include "tests/seed.hpp"
 

@@ -8,8 +8,10 @@
 #include <random>
 
 #include "models/axis_law.hpp"
-#include "models/error.hpp"
-#include "models/format_number.hpp"
+#include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
+#include "models/common/text_table.hpp"
+#include "models/common/units.hpp"
 #include "models/hysteresis_terms.hpp"
 #include "models/mount_forces.hpp"
 #include "models/parameter_access.hpp"
@@ -17,8 +19,6 @@
 #include "models/power_spectrum.hpp"
 #include "models/report/html_text.hpp"
 #include "models/static_equilibrium.hpp"
-#include "models/text_table.hpp"
-#include "models/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

@@ -1,9 +1,9 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 #include "models/mount_forces.hpp"
-#include "models/units.hpp"
 #include "tests/models/random_values.hpp"
 
 using namespace wems;

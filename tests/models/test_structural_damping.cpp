@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "models/axis_law.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 using namespace wems;
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <memory>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 #include "models/sweep_profile.hpp"
-#include "models/units.hpp"
 
 using namespace wems;
 

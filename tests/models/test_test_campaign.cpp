@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/sensor_place.hpp"
 #include "models/test_campaign.hpp"
 

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <string>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/model_tolerance.hpp"
 #include "models/parameter_access.hpp"
 

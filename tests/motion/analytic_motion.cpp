@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "models/bryant.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::test {
 namespace {}  // namespace

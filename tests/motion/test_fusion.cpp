@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "identify/motion/fusion.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
 namespace wems::identify {

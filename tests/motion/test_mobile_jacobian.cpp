@@ -5,7 +5,7 @@
 
 #include "identify/motion/mobile_jacobian.hpp"
 #include "models/bryant.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
 namespace wems::identify {

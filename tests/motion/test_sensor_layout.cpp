@@ -6,7 +6,7 @@
 #include "identify/motion/motion.hpp"
 #include "identify/motion/rigid_fit.hpp"
 #include "models/bryant.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "tests/motion/analytic_motion.hpp"
 #include "tests/seed.hpp"
 

@@ -12,7 +12,7 @@
 #include "identify/motion/noise_estimate.hpp"
 #include "identify/motion/parallel.hpp"
 #include "identify/motion/spectrum.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "identify/motion/swept_frequency.hpp"
+#include "models/common/units.hpp"
 #include "models/excitation.hpp"
-#include "models/units.hpp"
 #include "tests/motion/analytic_motion.hpp"
 #include "tests/seed.hpp"
 

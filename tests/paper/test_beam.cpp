@@ -4,7 +4,7 @@
 
 #include "identify/paper/beam_tip.hpp"
 #include "models/beam/beam.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_writer.hpp"
 #include "tests/cli/run_program.hpp"

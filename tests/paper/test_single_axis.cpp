@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "identify/paper/single_axis.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "tests/fit/synthetic_run.hpp"
 
 namespace wems::identify {

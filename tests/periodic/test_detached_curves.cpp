@@ -5,8 +5,8 @@
 #include <cmath>
 #include <complex>
 
+#include "models/common/units.hpp"
 #include "models/periodic/response_curve.hpp"
-#include "models/units.hpp"
 #include "tests/models/oscillator.hpp"
 
 using namespace wems;

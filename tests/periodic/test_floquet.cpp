@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "models/common/units.hpp"
 #include "models/damped_modes.hpp"
 #include "models/periodic/harmonic_balance.hpp"
-#include "models/units.hpp"
 #include "tests/models/oscillator.hpp"
 #include "tests/plugin/sample_models.hpp"
 

@@ -6,7 +6,7 @@
 #include <iostream>
 #include <random>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "tests/plan/plan_case.hpp"
 
 namespace wems::identify {

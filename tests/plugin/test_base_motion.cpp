@@ -4,8 +4,8 @@
 #include <complex>
 #include <unsupported/Eigen/FFT>
 
+#include "models/common/units.hpp"
 #include "models/excitation.hpp"
-#include "models/units.hpp"
 #include "plugin/base_motion.hpp"
 
 using namespace wems;

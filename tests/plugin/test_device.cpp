@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "models/bryant.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "plugin/mount_force.hpp"
 #include "plugin/simulation.hpp"
 #include "tests/plugin/sample_models.hpp"

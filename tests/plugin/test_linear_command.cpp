@@ -3,8 +3,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "models/common/units.hpp"
 #include "models/recording/recording_reader.hpp"
-#include "models/units.hpp"
 #include "tests/plugin/simulate_command.hpp"
 
 using namespace wems::test;

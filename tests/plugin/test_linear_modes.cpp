@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "models/common/units.hpp"
 #include "models/linear_modes.hpp"
-#include "models/units.hpp"
 #include "tests/plugin/sample_models.hpp"
 
 using namespace wems;

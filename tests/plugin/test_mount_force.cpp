@@ -3,7 +3,7 @@
 #include <memory>
 #include <random>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "plugin/mount_force.hpp"
 #include "tests/plugin/sample_models.hpp"
 

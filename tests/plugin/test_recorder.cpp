@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "models/bryant.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/mount_forces.hpp"
 #include "plugin/run_estimate.hpp"
 #include "plugin/simulation.hpp"

@@ -6,8 +6,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "models/common/units.hpp"
 #include "models/recording/recording_reader.hpp"
-#include "models/units.hpp"
 #include "tests/cli/run_program.hpp"
 
 using wems::Recording;

@@ -3,11 +3,11 @@
 #include <random>
 #include <string>
 
-#include "identify/diagnose/pass.hpp"
+#include "identify/exact/pass.hpp"
 #include "identify/problem/mount_equation.hpp"
 #include "identify/updating/test_problem.hpp"
 #include "models/axis_law.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

@@ -6,7 +6,7 @@
 #include "identify/problem/mount_equation.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "identify/problem/slow_balance.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

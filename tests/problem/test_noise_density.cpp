@@ -3,7 +3,7 @@
 #include <random>
 
 #include "identify/problem/noise_density.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

@@ -5,7 +5,7 @@
 
 #include "identify/problem/fourier.hpp"
 #include "identify/problem/run_noise.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;

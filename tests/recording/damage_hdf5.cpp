@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_stream.hpp"

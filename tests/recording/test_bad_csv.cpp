@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/csv_reader.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "tests/recording/temporary_file.hpp"

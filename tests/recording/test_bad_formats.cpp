@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/lvm_reader.hpp"
 #include "models/recording/mat_file.hpp"
 #include "models/recording/opensim_reader.hpp"

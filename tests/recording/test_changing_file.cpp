@@ -4,8 +4,8 @@
 #include <fstream>
 #include <string>
 
-#include "models/error.hpp"
-#include "models/recording/text_file.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
 #include "temporary_file.hpp"
 
 using namespace wems;

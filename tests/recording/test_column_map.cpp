@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/csv_reader.hpp"
 

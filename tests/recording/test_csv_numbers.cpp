@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/csv_reader.hpp"
 
 using namespace wems;

@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/csv_reader.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_writer.hpp"

@@ -4,11 +4,11 @@
 #include <fstream>
 #include <iterator>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/text_file.hpp"
 #include "models/recording/lvm_reader.hpp"
 #include "models/recording/opensim_reader.hpp"
 #include "models/recording/recording_reader.hpp"
-#include "models/recording/text_file.hpp"
 #include "tests/recording/hdf5_sample.hpp"
 #include "tests/recording/temporary_file.hpp"
 

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/json_reader.hpp"
 

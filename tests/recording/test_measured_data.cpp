@@ -3,11 +3,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "models/mount_model.hpp"
 #include "models/recording/column_map.hpp"
-#include "models/recording/connection_checks.hpp"
 #include "models/recording/recording_reader.hpp"
-#include "tests/recording/temporary_file.hpp"
 
 using namespace wems;
 
@@ -70,23 +67,5 @@ TEST_CASE("Other laboratories' files are read through column maps") {
             CHECK(recording.unused_columns.size() == 3);
             CHECK(recording.warnings.empty());
         }
-    }
-}
-
-TEST_CASE("Another simulator's recordings raise no alarm") {
-    const char* folder = std::getenv("WEMS_EXAMPLES");
-    if (folder == nullptr) {
-        WARN("skipped: WEMS_EXAMPLES is not set");
-        return;
-    }
-    for (const char* example : {"example_1", "example_2", "example_3", "example_4"}) {
-        const std::string path = std::string(folder) + "/" + example;
-        const test::TemporaryFile unpacked;
-        REQUIRE(std::system(("xz -dc '" + path + "/validate.csv.xz' > '" + unpacked.path() + "'").c_str()) == 0);
-        const auto recording = readRecording(unpacked.path());
-        INFO(path);
-        CHECK(recording.sampleCount() > 1000);
-        CHECK(recording.warnings.empty());
-        CHECK(checkAgainstModel(recording, readMountModel(path + "/model.toml")).empty());
     }
 }

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <random>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/opensim_writer.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_writer.hpp"

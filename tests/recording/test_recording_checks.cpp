@@ -4,9 +4,9 @@
 #include <limits>
 #include <random>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 #include "models/recording/recording_checks.hpp"
-#include "models/units.hpp"
 
 using namespace wems;
 using Catch::Contains;

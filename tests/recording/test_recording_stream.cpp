@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <random>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_stream.hpp"
 #include "tests/recording/temporary_file.hpp"

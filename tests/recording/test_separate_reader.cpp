@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/separate_reader.hpp"
 #include "temporary_file.hpp"
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <random>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/recording_reader.hpp"
 #include "models/recording/recording_stream.hpp"
 #include "tests/recording/hdf5_sample.hpp"

@@ -7,7 +7,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "models/error.hpp"
+#include "models/common/error.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/line_cursor.hpp"
 #include "models/recording/mat_file.hpp"

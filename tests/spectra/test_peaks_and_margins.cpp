@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "identify/spectra/margins.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 using namespace wems;
 using namespace wems::identify;

@@ -4,10 +4,10 @@
 #include <random>
 
 #include "identify/spectra/run_spectra.hpp"
-#include "models/error.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 #include "models/excitation.hpp"
 #include "models/linear_response.hpp"
-#include "models/units.hpp"
 
 using namespace wems;
 using namespace wems::identify;

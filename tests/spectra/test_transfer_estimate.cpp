@@ -4,7 +4,7 @@
 #include <random>
 
 #include "identify/spectra/welch.hpp"
-#include "models/units.hpp"
+#include "models/common/units.hpp"
 
 using namespace wems;
 using namespace wems::identify;

@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "identify/spectra/welch.hpp"
-#include "models/error.hpp"
-#include "models/units.hpp"
+#include "models/common/error.hpp"
+#include "models/common/units.hpp"
 
 using namespace wems;
 using namespace wems::identify;

@@ -1,0 +1,115 @@
+/// @file
+/// What a diagnosis answers: verdict, causes, adjustments, errors, and how it came to them.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/mount_model.hpp"
+
+namespace wems::identify {
+
+/// A fitted parameter under the name that results use. Value and interval are not finite for a stop that is removed.
+struct CauseParameter {
+    std::string name, unit;
+    double value = 0;
+    double lower = 0, upper = 0;  ///< 95 % interval
+};
+
+/// A cause that these data cannot tell from the one named.
+struct Rival {
+    std::string cause;
+    std::vector<std::string> where;
+    std::vector<CauseParameter> parameters;
+    std::string separate_by;  ///< the run that would decide
+};
+
+struct Cause {
+    std::string cause;
+    double probability = 0;
+    double gain_db = 0;  ///< validation error without it (others refitted) over that with all, dB
+    double share = 0;    ///< of the squared validation error that adjustments and causes take away together
+    std::vector<std::string> where;
+    std::vector<CauseParameter> parameters;
+    std::vector<Rival> rivals;
+};
+
+struct GroupError {
+    double identification = 0, validation = 0;
+};
+
+/// A number that moved within its tolerance.
+struct Adjustment {
+    CauseParameter parameter;
+    double believed = 0, tolerance = 0;
+};
+
+/// One candidate of a round with its figures.
+struct RankedCause {
+    std::string cause;
+    std::vector<std::string> where;
+    double log_odds = 0;  ///< of the set with it over the set that the round began with
+};
+
+/// What a round tried and did.
+struct Decision {
+    std::string action;                   ///< one sentence
+    std::vector<std::string> causes;      ///< those taken after the round, `clearance 4.z.+`
+    double log_evidence = 0;              ///< of that set over no cause, at the round's linearisation
+    std::vector<double> misfit;           ///< chi-squared per value: mount, bracket, mobile and fixed sensors
+    double error = 0;                     ///< of the prediction after the round
+    std::vector<RankedCause> candidates;  ///< the best few
+};
+
+/// A candidate fitted jointly with all that had been accepted. Misfits are per value: 1 for a perfect model.
+struct TriedCause {
+    std::string cause;           ///< with its place, `friction 1.x`
+    std::vector<double> values;  ///< of what was fitted, SI
+    double identification = 0, validation = 0;
+};
+
+/// What a round of the search among exact numbers tried and did.
+struct SearchRound {
+    double identification_before = 0, validation_before = 0;
+    std::vector<TriedCause> trials;
+    int taken = -1;  ///< of `trials`; −1: none
+    std::string reason;
+    std::string place;       ///< the axis at which a force of any history explains most of the mount's residual …
+    double place_share = 0;  ///< … and how much of it (0 … 1)
+};
+
+/// Misfit of the validation runs' equations per value, in bands of 1 Hz; 1 for a perfect model.
+struct MisfitSpectrum {
+    std::vector<double> frequency, before, after;  ///< Hz, -, -
+};
+
+struct Diagnosis {
+    enum class Verdict { explained, nothing_missing, unexplained };
+    Verdict verdict = Verdict::nothing_missing;
+    GroupError error_before, error_after, noise_floor;
+    GroupError error_adjusted;                   ///< with the adjustments alone
+    std::optional<double> prediction_band;       ///< validation error that noise and the posterior allow, 95 %
+    std::vector<Cause> causes;                   ///< by falling gain
+    std::vector<Adjustment> adjustments;         ///< of which the recordings say something
+    std::vector<std::string> unexplained_where;  ///< connection.axis, `bracket`, then `free` or `contact`
+    MountModel extended;
+    bool of_element = false;   ///< errors are of an element's force, not of a free simulation's displacements
+    bool validated = false;    ///< false: the identification runs had to judge themselves
+    double misfit_before = 0;  ///< open-loop misfit of the validation runs per value; 1 for a perfect model
+    double misfit_after = 0;
+    MisfitSpectrum spectrum;
+    std::vector<SearchRound> rounds;  ///< of the search among exact numbers
+    std::vector<Decision> decisions;  ///< and of that with tolerances
+    std::vector<std::string> notes;   ///< how the motion was derived, what was found odd
+};
+
+struct DiagnosisOptions {
+    std::function<void(const std::string&)> progress;  ///< may be empty
+};
+
+/// `explained`, `nothing_missing`, `unexplained`.
+std::string formatVerdict(Diagnosis::Verdict verdict);
+
+}  // namespace wems::identify

@@ -1,0 +1,45 @@
+/// @file
+/// The error of a free simulation against recordings, as the results define it.
+///
+/// Error: root mean square of (simulated − measured) relative displacement over that of the measured one, pooled over
+/// all recordings, connections and axes. The simulation is driven by the recorded load wherever the model has a
+/// bracket and the recording a load, otherwise by the recorded motion of the fixed part. Where only accelerations were
+/// recorded, both sides are compared above the lowest frequency at which the motion is known.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "identify/motion/motion.hpp"
+#include "models/mount_model.hpp"
+#include "models/recording/recording.hpp"
+
+namespace wems::identify {
+
+/// Measured relative displacement of a run: row 3 i + axis, F axes, m; rows of connections that were not recorded are
+/// those of the rigid motion.
+Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion& run, const MountModel& model);
+
+struct FreeError {
+    double error = 0;        ///< see above
+    double noise_floor = 0;  ///< what the recordings' noise alone gives
+    bool diverged = false;   ///< a simulation grew beyond all bounds; error is then infinite
+};
+
+/// One run with what it is compared with.
+struct FreeRun {
+    const RunMotion* motion;
+    Eigen::MatrixXd measured;
+    /// m², of the displacement channels of the mobile and the fixed part, where their noise is known better than by the
+    /// scatter of the rigid fits.
+    std::optional<std::array<double, 2>> displacement_noise = {};
+};
+/// Simulated minus measured, as the error compares them. @throws SimulationDiverged
+Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model);
+/// What the recording's noise gives one relative displacement, m².
+double calcNoiseVariance(const FreeRun& run, const MountModel& model);
+FreeError calcFreeError(const std::vector<FreeRun>& runs, const MountModel& model);
+
+}  // namespace wems::identify

@@ -1,2 +1,0 @@
-#define WEMS_EIGEN_INSTANCE template
-#include "models/eigen_instances.hpp"
