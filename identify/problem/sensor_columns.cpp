@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/bryant.hpp"
 #include "models/common/units.hpp"
 
 namespace wems::identify {
@@ -13,8 +14,8 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kDependent = 1e-10;  // relative size of a singular value of motions that channels do not show
+constexpr double kCornerStep = 1e-3;  // of the lowest frequency: differences of a corner
 constexpr double kBothParts = 1.4142135623730951;
-constexpr double kSlowest = 0.3;  // of the lowest excited frequency, below which nothing is integrated
 
 bool isSensor(UnknownKind kind) {
     switch (kind) {
@@ -82,7 +83,8 @@ SensorColumns::Change SensorColumns::makeChange(const Group& group, Eigen::Index
         change.spectrum(0, b) *= calcTransfer(kind, spectra_.angular(b));
     if (!with_series) return change;
     Eigen::MatrixXcd all = fourier_.forward(signal);
-    const double bin = kTwoPi / (fourier_.size() * run_.interval), slowest = kTwoPi * kSlowest * run_.band.lowest;
+    const double bin = kTwoPi / (fourier_.size() * run_.interval),
+                 slowest = kTwoPi * kSlowestIntegrated * run_.band.lowest;
     const bool plain = group.derivative == Derivative::displacement && calcTransfer(kind, 1.0) == Complex(1.0);
     for (Eigen::Index k = 0; k < all.cols(); ++k) {
         const double w = bin * static_cast<double>(k);
@@ -205,6 +207,57 @@ Eigen::MatrixXd SensorColumns::calcGainSlopes(const std::vector<const Group*>& g
     return slopes;
 }
 
+Eigen::MatrixXd SensorColumns::integrate(const Eigen::MatrixXd& rows, Part part, bool in_motion) const {
+    Eigen::MatrixXcd spectrum = fourier_.forward(rows);
+    const double bin = 1 / (fourier_.size() * run_.interval),
+                 slowest = in_motion ? std::max(kSlowestIntegrated * run_.band.lowest, run_.lowest)
+                                     : kSlowestIntegrated * run_.band.lowest;
+    for (Eigen::Index k = 0; k < spectrum.cols(); ++k) {
+        const double frequency = bin * static_cast<double>(k), w = kTwoPi * frequency;
+        spectrum.col(k) *= frequency < slowest ? Complex(0)
+                                               : calcTransfer(UnknownKind::corner, w) *
+                                                     (in_motion ? noise_.weights(part, w).acceleration : 1.0);
+    }
+    return fourier_.inverse(spectrum, run_.sampleCount());
+}
+
+// The motion that the accelerometers give is integrated as they are, but a channel reads it along axes that turn with
+// the part: ∫ θ × a is not (∫ θ) × a + θ × ∫ a. To first order in the motion nothing of a corner would be left, and
+// what is of second order are some hundred standard deviations of the noise.
+std::vector<Eigen::MatrixXcd> SensorColumns::calcCornerChanges(const std::vector<const Group*>& groups,
+                                                               Part part) const {
+    const SmoothPart& motion = part == Part::mobile ? run_.mobile : run_.fixed;
+    const double step = kCornerStep * run_.band.lowest;
+    const auto moved = [&](const Eigen::Matrix3Xd& rows) {
+        return Eigen::Matrix3Xd(step * integrate(rows, part, true));
+    };
+    const Eigen::Matrix3Xd p = moved(motion.p), theta = moved(motion.theta), w = moved(motion.w), a = moved(motion.a),
+                           alpha = moved(motion.alpha);
+    std::vector<Eigen::MatrixXcd> changes;
+    for (const Group* group : groups) {
+        const Eigen::MatrixXd own = group->derivative == Derivative::acceleration
+                                        ? integrate(group->reading, part, false)
+                                        : Eigen::MatrixXd::Zero(group->reading.rows(), group->reading.cols());
+        Eigen::MatrixXd beyond(own.rows(), own.cols());
+        for (Eigen::Index k = 0; k < own.cols(); ++k) {
+            const Eigen::Matrix3d ahead = rotationFromVector(motion.theta.col(k) + theta.col(k));
+            const Eigen::Matrix3d behind = rotationFromVector(motion.theta.col(k) - theta.col(k));
+            for (Eigen::Index c = 0; c < own.rows(); ++c) {
+                const SensorChannel& channel = layout_.channels[group->channels[c]];
+                const auto read = [&](const Eigen::Matrix3d& R, double sign) {
+                    return calcChannelMotion(channel, group->derivative, R, motion.p.col(k) + sign * p.col(k),
+                                             motion.w.col(k) + sign * w.col(k), motion.a.col(k) + sign * a.col(k),
+                                             motion.alpha.col(k) + sign * alpha.col(k));
+                };
+                beyond(c, k) = own(c, k) - (read(ahead, 1) - read(behind, -1)) / (2 * step);
+            }
+        }
+        beyond.colwise() -= beyond.rowwise().mean().eval();
+        changes.push_back(spectra_.transform(beyond));
+    }
+    return changes;
+}
+
 BlockInformation SensorColumns::calcInformation(Part part, const UnknownTable& table, const std::vector<char>& wanted,
                                                 Eigen::Index size) const {
     BlockInformation block;
@@ -251,7 +304,19 @@ BlockInformation SensorColumns::calcInformation(Part part, const UnknownTable& t
         const auto changes = calcChanges(table[i], false);
         if (changes.empty() || changes.front().group->part != part) continue;
         white.setZero();
+        if (table[i].kind == UnknownKind::corner) {
+            const auto beyond = calcCornerChanges(groups, part);
+            for (std::size_t h = 0; h < groups.size(); ++h) {
+                Eigen::MatrixXcd moved = beyond[h];
+                for (Eigen::Index b = 0; b < bins; ++b) moved.col(b) *= calcWeight(*groups[h], spectra_.angular(b));
+                for (std::size_t g = 0; g < groups.size(); ++g)
+                    white.middleRows(first[g], groups[g]->design.rows()) +=
+                        (groups[g]->design * groups[h]->inverse).cast<Complex>() * moved * fused[g].asDiagonal();
+                white.middleRows(first[h], beyond[h].rows()) -= beyond[h];
+            }
+        }
         for (const Change& change : changes) {
+            if (table[i].kind == UnknownKind::corner) break;
             Eigen::RowVectorXcd moved = change.spectrum;
             for (Eigen::Index b = 0; b < bins; ++b) moved[b] *= calcWeight(*change.group, spectra_.angular(b));
             for (std::size_t g = 0; g < groups.size(); ++g) {

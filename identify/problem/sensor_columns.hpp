@@ -67,6 +67,11 @@ private:
     Eigen::MatrixXd calcGainSlopes(const std::vector<const Group*>& groups, const UnknownTable& table,
                                    Eigen::Index size) const;
     std::vector<Change> calcChanges(const Unknown& row, bool with_series) const;
+    /// What a corner of 1 Hz adds to each row (x samples), or to a row of the motion that follows from all channels.
+    Eigen::MatrixXd integrate(const Eigen::MatrixXd& rows, Part part, bool in_motion) const;
+    /// What a corner of 1 Hz changes in the channels of a part's groups beyond what it does to the motion: channels x
+    /// bins, tapered.
+    std::vector<Eigen::MatrixXcd> calcCornerChanges(const std::vector<const Group*>& groups, Part part) const;
     Change makeChange(const Group& group, Eigen::Index channel, const Eigen::RowVectorXd& signal, UnknownKind kind,
                       bool with_series) const;
     /// Of the fused displacement by a channel's change at a bin.

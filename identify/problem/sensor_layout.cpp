@@ -3,9 +3,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <map>
 
 #include "identify/motion/rigid_fit.hpp"
+#include "identify/problem/fourier.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "models/bryant.hpp"
 #include "models/common/units.hpp"
@@ -62,16 +64,18 @@ std::vector<double> shiftSamples(const std::vector<double>& x, double shift) {
     return result;
 }
 
-/// The inverse of a first-order high pass: x = y + ω_c ∫ y.
-void removeHighPass(std::vector<double>& y, double corner, double interval) {
-    const double factor = kTwoPi * corner * interval;
-    double integral = 0, before = 0;
-    for (double& value : y) {
-        const double now = value;
-        integral += 0.5 * (before + now);
-        before = now;
-        value = now + factor * integral;
+/// The inverse of a first-order high pass, x = y + ω_c ∫ y, above a frequency. Below it the integral of the noise would
+/// drift, and of a drift a window lets a little through everywhere.
+void removeHighPass(std::vector<double>& y, double corner, double slowest, double interval) {
+    const auto count = static_cast<int>(y.size());
+    const Fourier fourier(count);
+    Eigen::MatrixXcd spectrum = fourier.forward(Eigen::Map<const Eigen::RowVectorXd>(y.data(), count));
+    const double bin = 1 / (fourier.size() * interval);
+    for (Eigen::Index k = 0; k < spectrum.cols(); ++k) {
+        const double frequency = bin * static_cast<double>(k);
+        spectrum(0, k) *= frequency < slowest ? 0.0 : std::complex<double>(0, -corner / frequency);
     }
+    Eigen::Map<Eigen::RowVectorXd>(y.data(), count) += fourier.inverse(spectrum, count);
 }
 
 /// Motion of the point `position`, as displacement from rest or acceleration, without what the sensor has wrong.
@@ -162,61 +166,85 @@ bool SensorErrors::isZero() const {
            corner[1] == 0;
 }
 
-Recording correctSensors(const Recording& recording, const SensorLayout& layout, const SensorErrors& errors,
-                         const RunMotion* motion) {
-    Recording result = recording;
-    if (errors.isZero()) return result;
-    const double interval = recording.sampleInterval();
-    std::vector<std::array<Channel*, 3>> triads(layout.triaxes.size(), {nullptr, nullptr, nullptr});
-    for (Channel& channel : result.channels) {
+namespace {
+
+using Triads = std::vector<std::array<Channel*, 3>>;
+
+/// The channels of each triax along x, y, z; null where there is none.
+Triads findTriads(Recording& recording, const SensorLayout& layout) {
+    Triads triads(layout.triaxes.size(), {nullptr, nullptr, nullptr});
+    for (Channel& channel : recording.channels) {
+        const int index = layout.findChannel(channel.name);
+        if (index < 0) continue;
+        const SensorChannel& sensor = layout.channels[index];
+        for (int a = 0; a < 3; ++a)
+            if (sensor.direction == Eigen::Vector3d::Unit(a)) triads[sensor.triax][a] = &channel;
+    }
+    return triads;
+}
+
+bool isComplete(const std::array<Channel*, 3>& triad) {
+    return triad[0] != nullptr && triad[1] != nullptr && triad[2] != nullptr;
+}
+
+/// Takes off what errors of place, and of the direction of incomplete triads, make of each reading. The motion is that
+/// of the readings, with the AC coupling and the delay that they have, so that this comes before those are taken off.
+void removePlaces(Recording& recording, const SensorLayout& layout, const SensorErrors& errors, const RunMotion& motion,
+                  const Triads& triads) {
+    std::map<std::pair<Part, Derivative>, std::vector<Eigen::Matrix3d>> effects;
+    for (Channel& channel : recording.channels) {
         const int index = layout.findChannel(channel.name);
         if (index < 0) continue;
         const SensorChannel& sensor = layout.channels[index];
         const SensorGroup& group = layout.groups[sensor.group];
+        const double gain = 1 + errors.gain[index];
+        const Eigen::Vector3d place = errors.place.col(sensor.station), rotation = errors.rotation.col(sensor.triax);
+        const PartMotion& part = group.part == Part::mobile ? motion.mobile : motion.fixed;
+        if (!place.isZero(0.0)) {
+            auto& effect = effects[{group.part, group.derivative}];
+            if (effect.empty()) effect = calcPlaceEffect(part, group.derivative);
+            const Eigen::Vector3d seen = rotationFromVector(rotation).transpose() * sensor.direction;
+            for (std::size_t k = 0; k < channel.values.size(); ++k)
+                channel.values[k] -= gain * seen.dot(effect[k] * place);
+        }
+        if (rotation.isZero(0.0) || isComplete(triads[sensor.triax])) continue;
+        for (std::size_t k = 0; k < channel.values.size(); ++k)
+            channel.values[k] -= gain * sensor.direction.dot(rotation.cross(
+                                            calcPointMotion(part, group.derivative, sensor.position + place, k)));
+    }
+}
+
+}  // namespace
+
+Recording correctSensors(const Recording& recording, const SensorLayout& layout, const SensorErrors& errors,
+                         double lowest, const RunMotion* motion) {
+    Recording result = recording;
+    if (errors.isZero()) return result;
+    const double interval = recording.sampleInterval();
+    const Triads triads = findTriads(result, layout);
+    if (motion != nullptr) removePlaces(result, layout, errors, *motion, triads);
+    for (Channel& channel : result.channels) {
+        const int index = layout.findChannel(channel.name);
+        if (index < 0) continue;
+        const SensorGroup& group = layout.groups[layout.channels[index].group];
         const double gain = 1 + errors.gain[index];
         if (gain != 1)
             for (double& value : channel.values) value /= gain;
         if (errors.delay[index] != 0) channel.values = shiftSamples(channel.values, errors.delay[index] / interval);
         const double corner = errors.corner[group.part == Part::mobile ? 0 : 1];
         if (group.derivative == Derivative::acceleration && corner != 0)
-            removeHighPass(channel.values, corner, interval);
-        for (int a = 0; a < 3; ++a)
-            if (sensor.direction == Eigen::Vector3d::Unit(a)) triads[sensor.triax][a] = &channel;
+            removeHighPass(channel.values, corner, kSlowestIntegrated * lowest, interval);
     }
     for (std::size_t t = 0; t < triads.size(); ++t) {
         const auto& triad = triads[t];
         const Eigen::Vector3d rotation = errors.rotation.col(t);
-        if (!triad[0] || !triad[1] || !triad[2] || rotation.isZero(0.0)) continue;
+        if (!isComplete(triad) || rotation.isZero(0.0)) continue;
         const Eigen::Matrix3d back = rotationFromVector(rotation).transpose();
         for (std::size_t k = 0; k < triad[0]->values.size(); ++k) {
             const Eigen::Vector3d v =
                 back * Eigen::Vector3d(triad[0]->values[k], triad[1]->values[k], triad[2]->values[k]);
             for (std::size_t a = 0; a < 3; ++a) triad[a]->values[k] = v[a];
         }
-    }
-    if (motion == nullptr) return result;
-    std::map<std::pair<Part, Derivative>, std::vector<Eigen::Matrix3d>> effects;
-    for (Channel& channel : result.channels) {
-        const int index = layout.findChannel(channel.name);
-        if (index < 0) continue;
-        const SensorChannel& sensor = layout.channels[index];
-        const SensorGroup& group = layout.groups[sensor.group];
-        const auto& triad = triads[sensor.triax];
-        const Eigen::Vector3d place = errors.place.col(sensor.station);
-        Eigen::Vector3d rotation = errors.rotation.col(sensor.triax);
-        if (triad[0] && triad[1] && triad[2]) rotation.setZero();  // done above
-        if (place.isZero(0.0) && rotation.isZero(0.0)) continue;
-        const PartMotion& part = group.part == Part::mobile ? motion->mobile : motion->fixed;
-        if (!place.isZero(0.0)) {
-            auto& effect = effects[{group.part, group.derivative}];
-            if (effect.empty()) effect = calcPlaceEffect(part, group.derivative);
-            for (std::size_t k = 0; k < channel.values.size(); ++k)
-                channel.values[k] -= sensor.direction.dot(effect[k] * place);
-        }
-        if (rotation.isZero(0.0)) continue;
-        for (std::size_t k = 0; k < channel.values.size(); ++k)
-            channel.values[k] -= sensor.direction.dot(
-                rotation.cross(calcPointMotion(part, group.derivative, sensor.position + place, k)));
     }
     return result;
 }

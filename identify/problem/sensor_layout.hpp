@@ -71,11 +71,15 @@ struct SensorErrors {
     bool operator==(const SensorErrors& other) const;
 };
 
+/// Of the lowest excited frequency, below which nothing is integrated.
+inline constexpr double kSlowestIntegrated = 0.3;
+
 /// The recording as exact sensors would have made it.
 /// @param recording uniformly sampled
+/// @param lowest excited frequency, Hz: what AC coupling takes is given back from kSlowestIntegrated of it upwards
 /// @param motion of the same samples, for the errors of place and the directions of incomplete triads; may be null
 ///     while those are zero
 Recording correctSensors(const Recording& recording, const SensorLayout& layout, const SensorErrors& errors,
-                         const RunMotion* motion);
+                         double lowest, const RunMotion* motion);
 
 }  // namespace wems::identify

@@ -167,7 +167,7 @@ TestProblem::ExactRun TestProblem::calcExactRun(std::size_t index, const TestPoi
 TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point) const {
     TestRun corrected = run;
     if (point.state.sensors.isZero()) return corrected;
-    corrected.recording = correctSensors(run.recording, layout_, point.state.sensors, &run.motion);
+    corrected.recording = correctSensors(run.recording, layout_, point.state.sensors, run.band.lowest, &run.motion);
     corrected.motion = estimateMotion(corrected.recording, believed_, ContactEdges::filtered);
     // Taking a gain off a channel takes it off the channel's noise.
     for (std::size_t g = 0; g < layout_.groups.size(); ++g) {
