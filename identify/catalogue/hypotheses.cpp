@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <set>
 
 #include "models/common/format_number.hpp"
 #include "models/common/units.hpp"
@@ -347,19 +348,31 @@ private:
         hypothesis.reported = {gain};
     }
 
+    /// Gains and delays of a channel; of a triax and of a side of one kind (`mobile.1`, `mobile.1.a`; `mobile`,
+    /// `mobile.a`), and of both kinds (`mobile.1.all`, `mobile.all`): one amplifier, one clock.
     void addSensors() {
-        const auto sideOf = [&](const SensorGroup& group) {
-            return std::string(group.part == Part::mobile ? "mobile" : "fixed");
+        const auto placeOf = [](const std::string& triax) {
+            return triax.substr(0, triax.find('.', triax.find('.') + 1));
         };
         for (const char* key : {"gain", "delay"}) {
             const std::string cause = std::string("sensor_") + key;
             for (const auto& channel : layout_.channels) addSingle(cause, channel.name, row(channel.name + "." + key));
-            for (std::size_t t = 0; t < layout_.triaxes.size(); ++t)
-                addSensorGroup(cause, key, layout_.triaxes[t].name,
-                               [&](const SensorChannel& channel) { return channel.triax == static_cast<int>(t); });
-            for (std::size_t g = 0; g < layout_.groups.size(); ++g)
-                addSensorGroup(cause, key, sideOf(layout_.groups[g]),
-                               [&](const SensorChannel& channel) { return channel.group == static_cast<int>(g); });
+            std::map<std::string, std::vector<int>> triaxes, places, sides, parts;
+            for (std::size_t c = 0; c < layout_.channels.size(); ++c) {
+                const SensorChannel& channel = layout_.channels[c];
+                const std::string& triax = layout_.triaxes[channel.triax].name;
+                const SensorGroup& group = layout_.groups[channel.group];
+                const std::string side = group.part == Part::mobile ? "mobile" : "fixed";
+                const int index = row(channel.name + "." + key);
+                triaxes[triax].push_back(index);
+                places[placeOf(triax) + ".all"].push_back(index);
+                sides[side + (group.derivative == Derivative::displacement ? "" : ".a")].push_back(index);
+                parts[side + ".all"].push_back(index);
+            }
+            std::set<std::vector<int>> known;  // the smaller place says it already
+            for (const auto* groups : {&triaxes, &places, &sides, &parts})
+                for (const auto& [name, rows] : *groups)
+                    if (rows.size() > 1 && known.insert(rows).second) addCommonFault(cause, name, rows);
         }
         for (const auto& triax : layout_.triaxes) {
             Hypothesis& hypothesis = add("sensor_misalignment", {triax.name});
@@ -371,18 +384,9 @@ private:
         }
     }
 
-    template <typename Belongs>
-    void addSensorGroup(const std::string& cause, const std::string& key, const std::string& name,
-                        const Belongs& belongs) {
+    void addCommonFault(const std::string& cause, const std::string& name, const std::vector<int>& rows) {
         Direction direction;
-        std::vector<int> rows;
-        for (const auto& channel : layout_.channels)
-            if (belongs(channel)) {
-                const int index = row(channel.name + "." + key);
-                direction.emplace_back(index, at(index).reach);
-                rows.push_back(index);
-            }
-        if (rows.size() < 2) return;
+        for (const int index : rows) direction.emplace_back(index, at(index).reach);
         Hypothesis& hypothesis = add(cause, {name});
         hypothesis.directions = {direction};
         hypothesis.reported = rows;

@@ -70,6 +70,13 @@ bool isPossible(const TestProblem& problem, const HypothesisSet& set, const Eige
     return true;
 }
 
+bool takesHalf(const Information& all, const Eigen::VectorXd& with, const Eigen::VectorXd& without) {
+    return std::any_of(all.begin(), all.end(), [&](const BlockInformation& block) {
+        const double left = calcBlockMisfit(block, with);
+        return left >= kSatisfied && calcBlockMisfit(block, without) - 1 >= 2 * (left - 1);
+    });
+}
+
 TestPoint bringBack(const TestProblem& problem, const SetState& state, const Hypothesis& hypothesis) {
     Eigen::VectorXd estimate = problem.estimateOf(state.point);
     for (const int index : hypothesis.reported) {

@@ -24,6 +24,10 @@ double calcBeyondProbability(const TestProblem& problem, const Hypothesis& hypot
 /// Whether mechanisms come out with the sign that they can have.
 bool isPossible(const TestProblem& problem, const HypothesisSet& set, const Eigen::VectorXd& estimate);
 
+/// Whether one estimate leaves at most half of what another leaves beyond the noise, in a block that it does not
+/// satisfy.
+bool takesHalf(const Information& all, const Eigen::VectorXd& with, const Eigen::VectorXd& without);
+
 /// The point with the numbers of a hypothesis brought back to their tolerance, all else as it is.
 TestPoint bringBack(const TestProblem& problem, const SetState& state, const Hypothesis& hypothesis);
 

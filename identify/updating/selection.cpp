@@ -23,6 +23,9 @@ constexpr double kUnlikely = 5;  // log evidence below the present set's: what i
 // another simulator true causes changed it by 13 % and more, a mode far above the sweep that was off by noise alone by
 // 1 %.
 constexpr double kWorth = 0.05;
+/// Probability of lying beyond that satisfied equations must give a number which unsatisfied ones pull at: of the
+/// numbers that they hardly know, one in twenty comes out so by chance.
+constexpr double kSure = 0.95;
 
 /// What a set says and where: two sets of one statement differ only in where they began to look.
 std::string signatureOf(const TestProblem& problem, const HypothesisSet& set) {
@@ -45,7 +48,7 @@ public:
         state_.view = problem_.view(state_.point, state_.set);
         settler_.settle(state_, kMostSettling, true);
         result_.adjusted = state_.point;
-        error_ = judge_(state_.point);
+        error_ = judge_(state_.point, state_.set);
         for (int round = 0; round < kMostRounds; ++round)
             if (!step(round)) break;
         tell("tolerances");
@@ -58,6 +61,7 @@ public:
         settler_.settle(state_, kMostRefining, false);
         result_.posterior = makeEvidence(problem_, state_.view, state_.scales, false).calcPosterior(state_.set);
         result_.noise = makeEvidence(problem_, state_.view, {}, false).calcPosterior(state_.set);
+        if (state_.set.empty()) result_.adjusted = state_.point;
         result_.state = std::move(state_);
         return std::move(result_);
     }
@@ -152,7 +156,7 @@ private:
         next.point = problem_.pointAt(problem_.estimateOf(trial.point), next.set);
         next.view = problem_.view(next.point, next.set);
         settler_.settle(next, kMostRefining, true);
-        const double error = judge_(next.point);
+        const double error = judge_(next.point, next.set);
         if (!isWorthwhile(next, error)) {
             problem_.restore(before);
             return false;
@@ -204,14 +208,15 @@ private:
         SetState next = state_;
         next.set.insert(std::lower_bound(next.set.begin(), next.set.end(), hypothesis), hypothesis);
         settler_.settle(next, kMostRefining, true);
-        const double error = judge_(next.point);
+        const double error = judge_(next.point, next.set);
         if (error > (1 + kWorth) * error_) return false;
         const Evidence evidence = makeEvidence(problem_, next.view, next.scales, true);
-        if (!isSensorFault(at(hypothesis)) && judge_(bringBack(problem_, next, at(hypothesis))) < (1 + kWorth) * error)
+        if (!isSensorFault(at(hypothesis)) &&
+            judge_(bringBack(problem_, next, at(hypothesis)), next.set) < (1 + kWorth) * error)
             return false;
         const Posterior posterior = evidence.calcPosterior(next.set);
         const double probability = calcBeyondProbability(problem_, at(hypothesis), next.point, posterior);
-        if (probability < 0.5) return false;
+        if (probability < 0.5 || !isBorneOut(next, hypothesis, evidence)) return false;
         state_ = std::move(next);
         error_ = error;
         result_.beyond[hypothesis] = probability;
@@ -222,6 +227,24 @@ private:
         decision.error = error_;
         result_.decisions.push_back(decision);
         return true;
+    }
+
+    /// Equations that leave much beyond the noise pull at every number that could make up for a little of it. There a
+    /// number is a cause only if it takes half of what they leave, as any other cause; or if those that are satisfied
+    /// put it beyond its tolerance by themselves.
+    bool isBorneOut(const SetState& next, int hypothesis, const Evidence& evidence) const {
+        const Information all = sumOf(next.view, true);
+        const Eigen::VectorXd with = problem_.estimateOf(next.point);
+        const std::vector<double> misfits = calcMisfits(all, with);
+        if (std::all_of(misfits.begin(), misfits.end(), [](double own) { return own < kSatisfied; })) return true;
+        if (updating::takesHalf(all, with, problem_.estimateOf(holdBack(problem_, next, hypothesis, evidence))))
+            return true;
+        // From what is believed, where nothing has been pulled yet.
+        Information satisfied = sumOf(problem_.view(problem_.believedPoint(), next.set), true);
+        for (std::size_t k = 0; k < kBlocks; ++k)
+            if (misfits[k] >= kSatisfied) satisfied[k] = {};
+        const Posterior alone = SetEvidence(problem_, satisfied, {}, next.set).calcPosterior();
+        return calcBeyondProbability(problem_, at(hypothesis), problem_.pointAt(alone.mean, next.set), alone) >= kSure;
     }
 
     /// Every direction a number of the table with a tolerance, from the present state.
@@ -241,13 +264,13 @@ private:
             for (const int h : state_.set) {
                 if (isSensorFault(at(h)) || result_.beyond.count(h) > 0 ||
                     std::find(needed_.begin(), needed_.end(), h) != needed_.end() ||
-                    judge_(holdBack(problem_, state_, h, evidence)) >= (1 + kWorth) * error_)
+                    judge_(holdBack(problem_, state_, h, evidence), state_.set) >= (1 + kWorth) * error_)
                     continue;
                 state_.set.erase(std::find(state_.set.begin(), state_.set.end(), h));
                 state_.point = problem_.pointAt(problem_.estimateOf(state_.point), state_.set);
                 state_.view = problem_.view(state_.point, state_.set);
                 settler_.settle(state_, kMostRefining, true);
-                error_ = judge_(state_.point);
+                error_ = judge_(state_.point, state_.set);
                 changed = true;
                 break;
             }

@@ -12,10 +12,6 @@
 
 namespace wems::identify::updating {
 
-/// Misfit per value up to which equations of motion count as satisfied: noise, and what sampling makes of a stop, leave
-/// 0.9 to 2.1 on recordings of another simulator whose cause is known.
-inline constexpr double kSatisfied = 3;
-
 struct Selection {
     SetState state;                 ///< with the causes, by the identification runs
     TestPoint adjusted;             ///< with adjustments alone
@@ -32,8 +28,8 @@ struct Selection {
     double probabilityOf(int hypothesis) const;
 };
 
-/// Error of a free simulation of the runs that judge.
-using FreeJudge = std::function<double(const TestPoint&)>;
+/// Error of a free simulation of the runs that judge, without the faults of sensors that the set names.
+using FreeJudge = std::function<double(const TestPoint&, const HypothesisSet&)>;
 
 /// @param progress may be empty
 Selection selectCauses(TestProblem& problem, const FreeJudge& judge,

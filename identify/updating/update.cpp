@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/updating/free_runs.hpp"
 #include "identify/updating/naming.hpp"
 #include "identify/updating/remainder.hpp"
 #include "identify/updating/test_problem.hpp"
@@ -29,8 +30,10 @@ std::string reportName(const std::string& name) {
 }
 
 std::string reportPlace(const std::string& place) {
-    const auto size = place.size();
-    return size > 2 && place.compare(size - 2, 2, ".a") == 0 ? place.substr(0, size - 2) : place;
+    for (const std::string kind : {".a", ".all"})
+        if (place.size() > kind.size() && place.compare(place.size() - kind.size(), kind.size(), kind) == 0)
+            return place.substr(0, place.size() - kind.size());
+    return place;
 }
 
 double toDecibel(double ratio) {
@@ -41,23 +44,22 @@ class Diagnostician {
 public:
     Diagnostician(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
                   const MountModel& model, const DiagnosisOptions& options)
-        : model_(model), options_(options), problem_(identification, validation, model) {
-        for (std::size_t r = 0; r < problem_.runs().size(); ++r) {
-            const TestRun& run = problem_.runs()[r];
-            (r < identification.size() ? own_ : judging_)
-                .push_back({&run.motion, calcMeasuredRelative(run.recording, run.motion, model),
-                            problem_.calcDisplacementNoise(r)});
+        : model_(model),
+          options_(options),
+          problem_(identification, validation, model),
+          own_(problem_, 0, identification.size()),
+          judging_(problem_, validation.empty() ? 0 : identification.size(),
+                   validation.empty() ? identification.size() : validation.size()) {
+        for (const TestRun& run : problem_.runs())
             for (const auto& note : run.motion.notes)
                 if (std::find(result_.notes.begin(), result_.notes.end(), note) == result_.notes.end())
                     result_.notes.push_back(note);
-        }
         result_.validated = !validation.empty();
-        if (!result_.validated) judging_ = own_;
     }
 
     Diagnosis run() {
-        const FreeJudge predict = [&](const TestPoint& point) {
-            return calcFreeError(judging_, problem_.cleanModel(point)).error;
+        const FreeJudge predict = [&](const TestPoint& point, const HypothesisSet& set) {
+            return judging_.calcError(point, set).error;
         };
         selection_ = selectCauses(problem_, predict, options_.progress);
         tell("free simulations");
@@ -80,18 +82,18 @@ private:
     const Hypothesis& at(int hypothesis) const { return problem_.hypotheses()[hypothesis]; }
     const Unknown& row(int index) const { return problem_.table()[index]; }
 
-    GroupError errorOf(const MountModel& model, GroupError* floor) const {
-        const FreeError own = calcFreeError(own_, model), judging = calcFreeError(judging_, model);
-        if (floor != nullptr) *floor = {own.noise_floor, judging.noise_floor};
-        return {own.error, judging.error};
+    GroupError errorOf(const TestPoint& point, const HypothesisSet& set) const {
+        return {own_.calcError(point, set).error, judging_.calcError(point, set).error};
     }
 
     void simulate() {
-        result_.error_before = errorOf(model_, &result_.noise_floor);
-        result_.error_adjusted = errorOf(problem_.cleanModel(selection_.adjusted), nullptr);
-        result_.error_after = errorOf(result_.extended, nullptr);
+        const FreeError own = own_.calcError(model_), judging = judging_.calcError(model_);
+        result_.error_before = {own.error, judging.error};
+        result_.noise_floor = {own.noise_floor, judging.noise_floor};
+        result_.error_adjusted = errorOf(selection_.adjusted, {});
+        result_.error_after = errorOf(selection_.state.point, selection_.state.set);
         tell("prediction band");
-        const double fitted = errorOf(problem_.cleanModel(selection_.fitted), nullptr).validation;
+        const double fitted = judging_.calcError(selection_.fitted, selection_.state.set).error;
         result_.prediction_band = calcBand(selection_.fitted, selection_.fitted_noise);
         left_ = isLeft(std::min(fitted, result_.error_after.validation));
         if (left_ || result_.error_after.validation <= result_.prediction_band) return;
@@ -102,8 +104,8 @@ private:
     }
 
     double calcBand(const TestPoint& point, const Posterior& posterior) const {
-        return calcPredictionBand(problem_, selection_.state.set, point, posterior, judging_,
-                                  result_.validated ? problem_.identificationCount() : 0,
+        const FreeRuns::Corrected corrected = judging_.correct(point, selection_.state.set);
+        return calcPredictionBand(problem_, selection_.state.set, point, posterior, corrected.runs, judging_.first(),
                                   result_.noise_floor.validation, kSeed);
     }
 
@@ -133,9 +135,31 @@ private:
             }
             return parameters;
         }
+        if (isCommonFault(hypothesis)) {
+            parameters.push_back(makeCommonFault(hypothesis, point, posterior));
+            return parameters;
+        }
         for (const int index : hypothesis.reported)
             parameters.push_back(makeParameter(index, posterior, point.values[index]));
         return parameters;
+    }
+
+    /// One gain or delay of several channels.
+    static bool isCommonFault(const Hypothesis& hypothesis) {
+        return (hypothesis.cause == "sensor_gain" || hypothesis.cause == "sensor_delay") &&
+               hypothesis.reported.size() > 1;
+    }
+
+    /// The mean over the channels, each of which has its tolerance too.
+    CauseParameter makeCommonFault(const Hypothesis& hypothesis, const TestPoint& point,
+                                   const Posterior& posterior) const {
+        const std::vector<int>& rows = hypothesis.reported;
+        const double count = static_cast<double>(rows.size());
+        const double value = point.values(rows).sum() / count;
+        const double width = kQuantile * std::sqrt(std::max(0.0, posterior.covariance(rows, rows).sum())) / count;
+        const Unknown& first = row(rows.front());
+        const std::string key = first.name.substr(first.name.rfind('.'));
+        return {reportPlace(hypothesis.where.front()) + key, first.unit, value, value - width, value + width};
     }
 
     /// A stop without stiffness is none: its clearance is null.
@@ -160,10 +184,8 @@ private:
             cause.probability =
                 std::min(0.999, selection_.probabilityOf(selection_.state.set[i]) + addRivals(i, cause));
             const Evidence own = makeEvidence(problem_, selection_.state.view, selection_.state.scales, false);
-            const double error =
-                errorOf(problem_.cleanModel(holdBack(problem_, selection_.state, selection_.state.set[i], own)),
-                        nullptr)
-                    .validation;
+            const TestPoint held = holdBack(problem_, selection_.state, selection_.state.set[i], own);
+            const double error = judging_.calcError(held, selection_.state.set).error;
             cause.gain_db = std::isfinite(error) ? toDecibel(error / result_.error_after.validation) : kLargestDecibels;
             const double before = result_.error_before.validation, after = result_.error_after.validation;
             cause.share =
@@ -295,7 +317,7 @@ private:
     const MountModel& model_;
     const DiagnosisOptions& options_;
     TestProblem problem_;
-    std::vector<FreeRun> own_, judging_;
+    FreeRuns own_, judging_;
     Selection selection_;
     bool left_ = false;  // more than the band, the noise and what is worth naming
     Diagnosis result_;

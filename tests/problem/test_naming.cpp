@@ -1,0 +1,47 @@
+// What equations that leave much beyond the noise say of a number, told from quadratics whose misfits are known by
+// construction.
+#include <Eigen/Core>
+#include <catch2/catch.hpp>
+
+#include "identify/updating/naming.hpp"
+
+using namespace wems::identify;
+
+namespace {
+
+constexpr double kCount = 1000;
+
+/// A block that leaves `left` per value at ε = 1 and `without` at ε = 0: χ² = n (left + (without − left) (ε − 1)²).
+BlockInformation makeBlock(double left, double without) {
+    BlockInformation block;
+    const double gained = kCount * (without - left);
+    block.A = Eigen::MatrixXd::Constant(1, 1, gained);
+    block.b = Eigen::VectorXd::Constant(1, -gained);
+    block.chi_squared = kCount * without;
+    block.count = kCount;
+    return block;
+}
+
+Information pair(const BlockInformation& mount, const BlockInformation& sensors) {
+    Information all;
+    all[indexOf(Block::mount)] = mount;
+    all[indexOf(Block::mobile_sensors)] = sensors;
+    return all;
+}
+
+const Eigen::VectorXd kWith = Eigen::VectorXd::Ones(1), kWithout = Eigen::VectorXd::Zero(1);
+
+}  // namespace
+
+TEST_CASE("Naming: the quadratics of this test leave what they say") {
+    const BlockInformation block = makeBlock(2, 7);
+    CHECK(calcBlockMisfit(block, kWith) == Approx(2));
+    CHECK(calcBlockMisfit(block, kWithout) == Approx(7));
+}
+
+TEST_CASE("Naming: half of what exceeds the noise, of a block that is not satisfied") {
+    CHECK(updating::takesHalf(pair(makeBlock(100, 200), makeBlock(1, 1)), kWith, kWithout));
+    CHECK_FALSE(updating::takesHalf(pair(makeBlock(100, 198), makeBlock(1, 1)), kWith, kWithout));
+    CHECK(updating::takesHalf(pair(makeBlock(1, 1), makeBlock(4, 7)), kWith, kWithout));
+    CHECK_FALSE(updating::takesHalf(pair(makeBlock(1, 1), makeBlock(2, 7)), kWith, kWithout));
+}
