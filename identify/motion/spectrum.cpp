@@ -1,5 +1,6 @@
 #include "identify/motion/spectrum.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -48,6 +49,38 @@ Spectrum calcSpectrum(const Eigen::VectorXd& signal, double interval, int segmen
     }
     spectrum.density *= 2 * interval / (window.squaredNorm() * count);
     return spectrum;
+}
+
+Eigen::VectorXd calcUnsharedDensity(const Eigen::MatrixXd& channels, double interval,
+                                    const Eigen::VectorXd& frequency) {
+    constexpr Eigen::Index motions = 6;
+    constexpr double third_octave = 1.26;
+    const Eigen::Index samples = channels.rows(), count = channels.cols();
+    Eigen::VectorXd density = Eigen::VectorXd::Zero(frequency.size());
+    if (count <= motions || samples < 2) return density;
+    Eigen::VectorXd window(samples);
+    for (Eigen::Index i = 0; i < samples; ++i)
+        window[i] = 0.5 - 0.5 * std::cos(kTwoPi * (static_cast<double>(i) + 0.5) / static_cast<double>(samples));
+    const RealTransform transform(samples);
+    Eigen::MatrixXcd bins(count, transform.binCount());
+    for (Eigen::Index c = 0; c < count; ++c)
+        bins.row(c) =
+            transform.forward(window.cwiseProduct((channels.col(c).array() - channels.col(c).mean()).matrix()));
+    const double scale = 2 * interval / window.squaredNorm(), width = 1 / (static_cast<double>(samples) * interval);
+    Eigen::Index at = 0;
+    for (Eigen::Index first = 3; first + 2 * count <= bins.cols();) {  // the window spreads the mean over three bins
+        const auto octave = static_cast<Eigen::Index>(third_octave * static_cast<double>(first));
+        const Eigen::Index last = std::min(bins.cols(), std::max(first + 2 * count, octave));
+        const auto stretch = bins.middleCols(first, last - first);
+        const Eigen::MatrixXcd cross = stretch * stretch.adjoint() * (scale / static_cast<double>(last - first));
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(cross, Eigen::EigenvaluesOnly);
+        const double noise = static_cast<double>(count) * solver.eigenvalues().head(count - motions).mean();
+        const double centre = 0.5 * width * static_cast<double>(first + last), end = width * static_cast<double>(last);
+        for (; at < frequency.size() && frequency[at] < end; ++at)
+            density[at] = noise * (first == 3 && frequency[at] > 0 ? std::max(1.0, centre / frequency[at]) : 1.0);
+        first = last;
+    }
+    return density;
 }
 
 IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double interval, double lowest) {

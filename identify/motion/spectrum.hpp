@@ -15,6 +15,12 @@ struct Spectrum {
 /// Welch's method: Hann segments with half overlap, at most `segment` samples each (a power of two).
 Spectrum calcSpectrum(const Eigen::VectorXd& signal, double interval, int segment = 8192);
 
+/// Density (unit²/Hz, one-sided) of what the channels (samples x channels) of a rigid part do not share, the sum over
+/// all: six motions fill six dimensions at each frequency, noise of equal size fills them all. From the smaller
+/// eigenvalues of the channels' cross-spectra over at least twice as many neighbouring bins as channels; below the
+/// first such stretch it is continued as 1 / f, which noise of electronics may be. All zero for six channels or fewer.
+Eigen::VectorXd calcUnsharedDensity(const Eigen::MatrixXd& channels, double interval, const Eigen::VectorXd& frequency);
+
 struct IntegratedSignal {
     Eigen::VectorXd v, x;
 };

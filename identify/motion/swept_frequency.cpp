@@ -137,7 +137,8 @@ double smoothAt(const std::vector<Period>& periods, std::size_t at) {
 }
 
 /// Lowest and highest frequency where the density is 1 % of its maximum; of a motion 0.1 % of its velocity's, and above
-/// the floor of the noise: its low frequencies are weak as accelerations, its high ones as displacements.
+/// the floor of the noise: its low frequencies are weak as accelerations, its high ones as displacements. The floor is
+/// the mean above four fifths of half the sampling rate, or what the channels do not share, whichever is more.
 void findBand(const Drive& drive, double interval, SweptFrequency& result) {
     Spectrum spectrum = calcSpectrum(drive.signal, interval, 16384);
     // A part may answer each frequency in another direction.
@@ -149,8 +150,11 @@ void findBand(const Drive& drive, double interval, SweptFrequency& result) {
     const Eigen::Index bins = spectrum.density.size() - mean_bins;
     Eigen::VectorXd density = spectrum.density.tail(bins);
     const Eigen::VectorXd frequency = spectrum.frequency.tail(bins);
-    const double floor = drive.is_response ? floor_ratio * density.tail(bins / 5 + 1).mean() : 0;
-    const Eigen::Array<bool, Eigen::Dynamic, 1> distinct = density.array() > floor;
+    Eigen::VectorXd floor = Eigen::VectorXd::Zero(bins);
+    if (drive.is_response)
+        floor = floor_ratio *
+                calcUnsharedDensity(drive.channels, interval, frequency).cwiseMax(density.tail(bins / 5 + 1).mean());
+    const Eigen::Array<bool, Eigen::Dynamic, 1> distinct = density.array() > floor.array();
     if (drive.is_response) density = density.array() * frequency.array().pow(drive.velocity_exponent);
     const double limit = (drive.is_response ? response_limit : spectral_limit) * density.maxCoeff();
     for (Eigen::Index i = 0; i < bins; ++i) {

@@ -247,5 +247,46 @@ TEST_CASE("Without load the motion itself tells the frequency") {
     CHECK(swept.hertz[2500] == Approx(12).epsilon(0.005));
 }
 
+/// Accelerations of four triaxes of a rigid part: a sweep from 1.2 to 12 Hz, a slow motion of its own, and noise of
+/// which a part rises as 1 / f, as white noise that is integrated with poles an octave and a half apart.
+Recording recordNoisyPart(double slow_amplitude, std::mt19937& random) {
+    const auto signal = makeLogarithmicSweep(1.2, 12, 4, {1, 1});
+    Recording recording = test::makeEmptyRecording(240, signal->duration());
+    std::normal_distribution<double> normal(0, 1);
+    Eigen::Matrix<double, 12, 6> shape;
+    for (double& value : shape.reshaped()) value = normal(random);
+    for (int c = 0; c < 12; ++c) {
+        Channel channel;
+        channel.name = "fixed." + std::to_string(c / 3 + 1) + ".a" + "xyz"[c % 3];
+        std::vector<double> poles;
+        for (double pole = 0.02; pole < 120; pole *= 3) poles.push_back(std::exp(-kTwoPi * pole / 240));
+        std::vector<double> states(poles.size(), 0.0);
+        for (const double t : recording.time) {
+            double noise = 0.02 * normal(random);
+            for (std::size_t i = 0; i < poles.size(); ++i) {
+                states[i] = poles[i] * states[i] + std::sqrt(1 - poles[i] * poles[i]) * 0.02 * normal(random);
+                noise += states[i];
+            }
+            channel.values.push_back(shape(c, 0) * signal->value(t) +
+                                     shape(c, 3) * slow_amplitude * std::sin(kTwoPi * 0.4 * t) + noise);
+        }
+        recording.channels.push_back(channel);
+    }
+    return recording;
+}
+
+// Weighed as a velocity, noise that rises towards low frequencies is as large as the motion at 0.1 Hz. It is told from
+// motion by what the twelve channels of a rigid part do not share.
+TEST_CASE("Noise that rises towards low frequencies is no drive, a slow motion is") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    for (int draw = 0; draw < 10; ++draw) {
+        CAPTURE(draw);
+        CHECK(findSweptFrequency(recordNoisyPart(0, random)).lowest == Approx(1.2).epsilon(0.1));
+        CHECK(findSweptFrequency(recordNoisyPart(0.3, random)).lowest == Approx(0.4).epsilon(0.15));  // two bins
+    }
+}
+
 }  // namespace
 }  // namespace wems::identify
