@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -86,25 +87,35 @@ struct BranchStep {
     double weight[4];
 };
 
-BranchStep makeBranchStep(double interval, double time_constant) {
-    const double x = interval / time_constant;
-    BranchStep step{std::exp(-x), {0, 0, 0, 0}};
-    // Gauss–Legendre on pieces no longer than the time constant.
+/// Moments ∫ x e^(−x (1 − u)) uⁿ du over the step, n = 0 … 3.
+std::array<double, 4> calcMoments(double x) {
+    std::array<double, 4> moments{};
+    constexpr double kShort = 2;  // below, the differences of the recurrence cancel: 3! / x³ of the rounding
+    if (x > kShort) {
+        moments[0] = -std::expm1(-x);
+        for (std::size_t n = 1; n < moments.size(); ++n) moments[n] = 1 - static_cast<double>(n) / x * moments[n - 1];
+        return moments;
+    }
+    // Gauss–Legendre on four pieces, each at most half a time constant.
     constexpr double kNode[3] = {-0.7745966692414834, 0.0, 0.7745966692414834};
     constexpr double kWeight[3] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
-    const int pieces = std::max(4, static_cast<int>(std::ceil(2 * x)));
-    for (int i = 0; i < pieces; ++i) {
+    constexpr int kPieces = 4;
+    for (int i = 0; i < kPieces; ++i)
         for (int g = 0; g < 3; ++g) {
-            const double u = (i + 0.5 + 0.5 * kNode[g]) / pieces;  // 0 … 1 within the step
-            const double factor = 0.5 * kWeight[g] / pieces * x * std::exp(-x * (1 - u));
-            const double u2 = u * u, u3 = u2 * u;
-            step.weight[0] += factor * (2 * u3 - 3 * u2 + 1);
-            step.weight[1] += factor * (u3 - 2 * u2 + u);
-            step.weight[2] += factor * (3 * u2 - 2 * u3);
-            step.weight[3] += factor * (u3 - u2);
+            const double u = (i + 0.5 + 0.5 * kNode[g]) / kPieces;  // 0 … 1 within the step
+            double factor = 0.5 * kWeight[g] / kPieces * x * std::exp(-x * (1 - u));
+            for (double& moment : moments) {
+                moment += factor;
+                factor *= u;
+            }
         }
-    }
-    return step;
+    return moments;
+}
+
+BranchStep makeBranchStep(double interval, double time_constant) {
+    const double x = interval / time_constant;
+    const std::array<double, 4> m = calcMoments(x);
+    return {std::exp(-x), {2 * m[3] - 3 * m[2] + m[0], m[3] - 2 * m[2] + m[1], 3 * m[2] - 2 * m[3], m[3] - m[2]}};
 }
 
 Eigen::Vector3d axisDirection(const OpenLoopRun& run, std::size_t sample, int axis) {
