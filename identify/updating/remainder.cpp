@@ -17,8 +17,8 @@ namespace wems::identify::updating {
 
 namespace {
 
-constexpr std::size_t kDraws = 20;
-constexpr std::size_t kInside = 19;  // of the draws, by size: 95 %
+// The next draw lies below the largest of 19 with a probability of 19 in 20.
+constexpr std::size_t kDraws = 19;
 
 /// Square root of a covariance that may be singular.
 Eigen::MatrixXd calcRoot(const Eigen::MatrixXd& covariance) {
@@ -70,8 +70,7 @@ double calcPredictionBand(const TestProblem& problem, const HypothesisSet& set, 
             errors[d] = std::numeric_limits<double>::infinity();
         }
     });
-    std::sort(errors.begin(), errors.end());
-    return std::sqrt(errors[kInside - 1] + noise_floor * noise_floor);
+    return std::sqrt(*std::max_element(errors.begin(), errors.end()) + noise_floor * noise_floor);
 }
 
 namespace {

@@ -10,7 +10,7 @@
 
 namespace wems::identify::updating {
 
-/// Relative error below which 95 of 100 draws of the unknowns lie: model parameters from the posterior, simulated; what
+/// Relative error below which the next draw of the unknowns lies with a probability of 95 %: model parameters from the posterior, simulated; what
 /// the sensors have wrong, which is corrected neither in what is compared nor in the motion that drives; and noise.
 /// @param point, posterior about which the draws lie
 /// @param first index of the first of `runs` among the problem's
