@@ -22,8 +22,13 @@ constexpr double kYields[] = {0.1, 0.4};
 constexpr double kStillAxis =
     0.05;  // of the largest displacement of any axis: one that moves less shows no stop or loop
 constexpr double kCommonReach = 0.5;  // of the number, of a factor that many share
-constexpr int kHats = 10;             // of the load's gain over the swept band
-constexpr double kHatReach = 0.5;
+// The load's gain over the swept band: straight between points a sixth of an octave apart, of any level, and from one
+// point to the next by a fifth, as a random walk: a load that drops out around a frequency is as wide as half an
+// octave.
+constexpr int kPointsPerOctave = 6;
+constexpr int kMostPoints = 60;
+constexpr double kGainReach = 0.5;
+constexpr double kGainStep = 0.2;
 
 using AxisFilter = std::function<bool(int axis)>;
 
@@ -339,8 +344,10 @@ private:
         addSingle("load", "load", gain);
         if (!(swept.lowest > 0)) return;
         Hypothesis& hypothesis = add("load", {"load"});
-        const double ratio = std::log(swept.highest / swept.lowest) / (kHats - 1);
-        for (int k = 0; k < kHats; ++k) {
+        const double octaves = std::log2(swept.highest / swept.lowest);
+        const int intervals = std::clamp(static_cast<int>(std::ceil(octaves * kPointsPerOctave)), 1, kMostPoints - 1);
+        const double ratio = std::log(swept.highest / swept.lowest) / intervals;
+        for (int k = 0; k <= intervals; ++k) {
             const double at_hat = swept.lowest * std::exp(ratio * k);
             result_.columns.hats.push_back({at_hat * std::exp(-ratio), at_hat, at_hat * std::exp(ratio)});
         }
@@ -397,8 +404,12 @@ private:
         if (hat_hypothesis_ >= 0) {
             auto& hypothesis = result_.hypotheses[hat_hypothesis_];
             const int first = static_cast<int>(table_.size() + result_.columns.probes.size());
-            for (int k = 0; k < static_cast<int>(result_.columns.hats.size()); ++k)
-                hypothesis.directions.push_back({{first + k, kHatReach}});
+            const int count = static_cast<int>(result_.columns.hats.size());
+            for (int k = 0; k < count; ++k) {
+                Direction onwards;
+                for (int i = k; i < count; ++i) onwards.emplace_back(first + i, k == 0 ? kGainReach : kGainStep);
+                hypothesis.directions.push_back(onwards);
+            }
         }
         std::map<std::string, int> places;
         for (const auto& hypothesis : result_.hypotheses) ++places[hypothesis.cause];

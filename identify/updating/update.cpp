@@ -128,10 +128,15 @@ private:
         std::vector<CauseParameter> parameters;
         if (hypothesis.cause == "load" && point.state.model.load &&
             point.state.model.load->gain_over_frequency.size() > 1) {
-            for (const auto& [frequency, gain] : point.state.model.load->gain_over_frequency) {
+            // Columns of the load's gain over frequency come last.
+            const auto& gains = point.state.model.load->gain_over_frequency;
+            Eigen::Index column = posterior.covariance.rows() - static_cast<Eigen::Index>(gains.size());
+            for (const auto& [frequency, gain] : gains) {
                 char name[40];
                 std::snprintf(name, sizeof name, "gain at %.4g Hz", frequency);
-                parameters.push_back({name, "-", gain, gain, gain});
+                const double width = kQuantile * std::sqrt(std::max(0.0, posterior.covariance(column, column)));
+                parameters.push_back({name, "-", gain, gain - width, gain + width});
+                ++column;
             }
             return parameters;
         }
