@@ -218,6 +218,14 @@ Information shiftToBelieved(const Information& about_state, const Eigen::VectorX
     return shifted;
 }
 
+Eigen::MatrixXd calcCovarianceRoot(const Eigen::MatrixXd& covariance) {
+    const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    const Eigen::VectorXd inverse = deviation.unaryExpr([](double own) { return own > 0 ? 1 / own : 0.0; });
+    const Eigen::MatrixXd correlation = inverse.asDiagonal() * covariance * inverse.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
+    return deviation.asDiagonal() * solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
 double calcBlockMisfit(const BlockInformation& block, const Eigen::VectorXd& estimate) {
     if (block.empty()) return 0;
     return (block.chi_squared + 2 * block.b.dot(estimate) + estimate.dot(block.A * estimate)) / block.count;

@@ -102,6 +102,10 @@ private:
     Eigen::MatrixXd directions_;        // columns x directions
 };
 
+/// S with S Sᵀ the covariance, which may be singular: of its correlations, so that units of very different size do not
+/// lend each other their rounding. What is known has a row of zeros.
+Eigen::MatrixXd calcCovarianceRoot(const Eigen::MatrixXd& covariance);
+
 /// An information about `state` carried to the believed values: columns' believed minus present values in `offset`.
 BlockInformation shiftToBelieved(const BlockInformation& about_state, const Eigen::VectorXd& offset);
 Information shiftToBelieved(const Information& about_state, const Eigen::VectorXd& offset);

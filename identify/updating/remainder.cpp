@@ -20,12 +20,6 @@ namespace {
 // The next draw lies below the largest of 19 with a probability of 19 in 20.
 constexpr std::size_t kDraws = 19;
 
-/// Square root of a covariance that may be singular.
-Eigen::MatrixXd calcRoot(const Eigen::MatrixXd& covariance) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-    return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-}
-
 }  // namespace
 
 double calcPredictionBand(const TestProblem& problem, const HypothesisSet& set, const TestPoint& point,
@@ -42,7 +36,7 @@ double calcPredictionBand(const TestProblem& problem, const HypothesisSet& set, 
     } catch (const SimulationDiverged&) {
         return std::numeric_limits<double>::infinity();
     }
-    const Eigen::MatrixXd root = calcRoot(posterior.covariance);
+    const Eigen::MatrixXd root = calcCovarianceRoot(posterior.covariance);
     std::mt19937 generator(seed);
     std::normal_distribution<double> normal;
     std::vector<Eigen::VectorXd> draws;

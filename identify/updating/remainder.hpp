@@ -10,8 +10,9 @@
 
 namespace wems::identify::updating {
 
-/// Relative error below which the next draw of the unknowns lies with a probability of 95 %: model parameters from the posterior, simulated; what
-/// the sensors have wrong, which is corrected neither in what is compared nor in the motion that drives; and noise.
+/// Relative error below which the next draw of the unknowns lies with a probability of 95 %: model parameters from the
+/// posterior, simulated; what the sensors have wrong, which is corrected neither in what is compared nor in the motion
+/// that drives; and noise.
 /// @param point, posterior about which the draws lie
 /// @param first index of the first of `runs` among the problem's
 /// @param seed of the draws, so that a result is the same again

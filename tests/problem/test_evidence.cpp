@@ -139,3 +139,25 @@ TEST_CASE("An information shifted to the believed values predicts the same misfi
     CHECK(calcBlockMisfit(shifted, estimate) ==
           Approx((problem.r + problem.J * estimate).squaredNorm() / 60).epsilon(1e-10));
 }
+
+// A stiffness of 1e8 N/m and an offset that is known: rounding of the one, 1e-16 of its square, was the other's
+// variance.
+TEST_CASE("The root of a covariance keeps units of very different size apart") {
+    const unsigned seed = wems::test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    constexpr int size = 40;
+    Eigen::VectorXd unit(size);
+    for (int i = 0; i < size; ++i) unit[i] = i % 4 == 0 ? 0 : std::pow(10, -8 + 16 * (i % 7) / 6.0);
+    Eigen::MatrixXd factor(size, size / 2);  // singular
+    for (double& value : factor.reshaped()) value = normal(random);
+    factor = unit.asDiagonal() * factor;
+    const Eigen::MatrixXd covariance = factor * factor.transpose(), root = calcCovarianceRoot(covariance);
+    for (int i = 0; i < size; ++i) {
+        CAPTURE(i);
+        if (unit[i] == 0) CHECK(root.row(i).cwiseAbs().maxCoeff() == 0);
+        for (int j = 0; j < size; ++j)
+            CHECK(root.row(i).dot(root.row(j)) == Approx(covariance(i, j)).margin(1e-12 * size * unit[i] * unit[j]));
+    }
+}
