@@ -50,12 +50,22 @@ def true_values(truth):
     return values
 
 
+def along_one_axis(cause):
+    """A cause without the name of its connection: in a rig that moves along one axis all connections move alike, so that no
+    recording tells which of them has it."""
+    where = [place.split(".", 1)[1] if place[0].isdigit() else place for place in cause["where"]]
+    return dict(cause, where=where, rivals=[along_one_axis(r) for r in cause.get("rivals", [])])
+
+
 def judge(entry):
     """Adds what a case's answer is worth."""
     if "failed" in entry:
         return
     truth, result = entry["truth"], entry["result"]
     causes = truth["causes"]
+    if truth["set_up"].startswith("axis"):
+        causes = [along_one_axis(c) for c in causes]
+        result = dict(result, causes=[along_one_axis(c) for c in result["causes"]])
     named = [c for c in result["causes"] if c["probability"] >= NAMED]
     entry["named"] = [{"cause": c["cause"], "where": c["where"], "probability": c["probability"]} for c in named]
     entry["verdict"] = result["verdict"]
