@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "identify/exact/exact_diagnosis.hpp"
+#include "identify/updating/settling.hpp"
 #include "identify/updating/update.hpp"
 #include "models/common/error.hpp"
 
@@ -31,6 +32,12 @@ std::optional<Diagnosis> diagnoseWithTolerances(const std::vector<Recording>& id
     }
 }
 
+/// Whether all equations leave noise alone, whatever a sensitive prediction makes of what is not known.
+bool isSatisfied(const Diagnosis& adjusted) {
+    const std::vector<double>& misfit = adjusted.decisions.back().misfit;
+    return std::all_of(misfit.begin(), misfit.end(), [](double own) { return own < updating::kSatisfied; });
+}
+
 /// A verdict never contradicts its figures: where the simulation errs by as much as one in which nothing moves, the
 /// model answers for nothing, whatever noise and posterior would excuse.
 Diagnosis checkVerdict(Diagnosis result, const MountModel& model) {
@@ -54,8 +61,8 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
     if (exact.verdict != Diagnosis::Verdict::unexplained) return exact;
     auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
     if (adjusted) adjusted = checkVerdict(std::move(*adjusted), model);
-    // Of two answers that leave something, the one that predicts better.
-    if (!adjusted || (adjusted->verdict == Diagnosis::Verdict::unexplained &&
+    // Of two answers that leave something, the one that satisfies the equations, else the one that predicts better.
+    if (!adjusted || (adjusted->verdict == Diagnosis::Verdict::unexplained && !isSatisfied(*adjusted) &&
                       exact.error_after.validation <= adjusted->error_after.validation))
         return exact;
     return std::move(*adjusted);

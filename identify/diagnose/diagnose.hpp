@@ -3,7 +3,7 @@
 ///
 /// The simplest world first: exact numbers and a cause or two (identify/exact). Where that leaves something, every
 /// number may lie anywhere within its tolerance (identify/updating). Of two answers that leave something, the one that
-/// predicts better.
+/// satisfies the equations of motion, else the one that predicts better.
 #pragma once
 
 #include <vector>
