@@ -365,8 +365,7 @@ private:
             const std::string cause = std::string("sensor_") + key;
             for (const auto& channel : layout_.channels) addSingle(cause, channel.name, row(channel.name + "." + key));
             std::map<std::string, std::vector<int>> triaxes, places, sides, parts;
-            for (std::size_t c = 0; c < layout_.channels.size(); ++c) {
-                const SensorChannel& channel = layout_.channels[c];
+            for (const SensorChannel& channel : layout_.channels) {
                 const std::string& triax = layout_.triaxes[channel.triax].name;
                 const SensorGroup& group = layout_.groups[channel.group];
                 const std::string side = group.part == Part::mobile ? "mobile" : "fixed";
