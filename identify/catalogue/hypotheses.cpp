@@ -26,9 +26,9 @@ constexpr double kCommonReach = 0.5;  // of the number, of a factor that many sh
 // point to the next by a fifth, as a random walk: a load that drops out around a frequency is as wide as half an
 // octave.
 constexpr int kPointsPerOctave = 6;
-constexpr int kMostPoints = 60;
-constexpr double kGainReach = 0.5;
-constexpr double kGainStep = 0.2;
+constexpr int kMostPoints = 60;     // ten octaves; a wider band has them farther apart, since each is a column
+constexpr double kGainReach = 0.5;  // of the commanded load
+constexpr double kGainStep = 0.2;   // of the commanded load
 
 using AxisFilter = std::function<bool(int axis)>;
 

@@ -14,7 +14,9 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kDependent = 1e-10;  // relative size of a singular value of motions that channels do not show
-constexpr double kCornerStep = 1e-3;  // of the lowest frequency: differences of a corner
+// Of the lowest frequency, for central differences: the motion moves by a thousandth of itself, so that what is left
+// out is a millionth of the column.
+constexpr double kCornerStep = 1e-3;
 constexpr double kBothParts = 1.4142135623730951;
 
 bool isSensor(UnknownKind kind) {
@@ -221,9 +223,9 @@ Eigen::MatrixXd SensorColumns::integrate(const Eigen::MatrixXd& rows, Part part,
     return fourier_.inverse(spectrum, run_.sampleCount());
 }
 
-// The motion that the accelerometers give is integrated as they are, but a channel reads it along axes that turn with
-// the part: ∫ θ × a is not (∫ θ) × a + θ × ∫ a. To first order in the motion nothing of a corner would be left, and
-// what is of second order are some hundred standard deviations of the noise.
+// The motion that the accelerometers give is integrated as they are, but each sits on a lever that turns with the part:
+// ∫ α × R r is not (∫ α) × R r. To first order in the motion nothing of a corner would be left, and what is of second
+// order are some hundred standard deviations of the noise.
 std::vector<Eigen::MatrixXcd> SensorColumns::calcCornerChanges(const std::vector<const Group*>& groups,
                                                                Part part) const {
     const SmoothPart& motion = part == Part::mobile ? run_.mobile : run_.fixed;
@@ -314,17 +316,17 @@ BlockInformation SensorColumns::calcInformation(Part part, const UnknownTable& t
                         (groups[g]->design * groups[h]->inverse).cast<Complex>() * moved * fused[g].asDiagonal();
                 white.middleRows(first[h], beyond[h].rows()) -= beyond[h];
             }
-        }
-        for (const Change& change : changes) {
-            if (table[i].kind == UnknownKind::corner) break;
-            Eigen::RowVectorXcd moved = change.spectrum;
-            for (Eigen::Index b = 0; b < bins; ++b) moved[b] *= calcWeight(*change.group, spectra_.angular(b));
-            for (std::size_t g = 0; g < groups.size(); ++g) {
-                const Group& group = *groups[g];
-                const Eigen::VectorXcd back =
-                    (group.design * change.group->inverse.col(change.channel)).cast<Complex>();
-                white.middleRows(first[g], back.size()).noalias() += back * moved.cwiseProduct(fused[g]);
-                if (change.group == &group) white.row(first[g] + change.channel) -= change.spectrum;
+        } else {
+            for (const Change& change : changes) {
+                Eigen::RowVectorXcd moved = change.spectrum;
+                for (Eigen::Index b = 0; b < bins; ++b) moved[b] *= calcWeight(*change.group, spectra_.angular(b));
+                for (std::size_t g = 0; g < groups.size(); ++g) {
+                    const Group& group = *groups[g];
+                    const Eigen::VectorXcd back =
+                        (group.design * change.group->inverse.col(change.channel)).cast<Complex>();
+                    white.middleRows(first[g], back.size()).noalias() += back * moved.cwiseProduct(fused[g]);
+                    if (change.group == &group) white.row(first[g] + change.channel) -= change.spectrum;
+                }
             }
         }
         for (std::size_t g = 0; g < groups.size(); ++g) {

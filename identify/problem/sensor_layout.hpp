@@ -71,7 +71,8 @@ struct SensorErrors {
     bool operator==(const SensorErrors& other) const;
 };
 
-/// Of the lowest excited frequency, below which nothing is integrated.
+/// Of the lowest excited frequency, below which nothing is integrated: half of where displacements from accelerations
+/// count from (0.6), so that the edge lies outside what is used.
 inline constexpr double kSlowestIntegrated = 0.3;
 
 /// The recording as exact sensors would have made it.
