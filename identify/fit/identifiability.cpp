@@ -51,7 +51,7 @@ public:
           tolerance_(0.5 * calcTolerance(parameters[group.front()])) {
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance_);
         for (Eigen::Index j = 0; j < eigen.eigenvalues().size(); ++j)
-            if (std::sqrt(std::max(0.0, eigen.eigenvalues()(j))) < tolerance_)
+            if (calcScaledError(eigen.eigenvectors().col(j)) < tolerance_)
                 known_directions_.push_back(eigen.eigenvectors().col(j));
     }
 
@@ -108,7 +108,11 @@ private:
     }
 
     double calcRelativeError(const Eigen::VectorXd& factors) const {
-        const Eigen::VectorXd scaled = factors.cwiseProduct(scale_);
+        return calcScaledError(factors.cwiseProduct(scale_));
+    }
+
+    /// Standard error of Σ a_j x_j, x_j = parameter / scale, over Σ |a_j|: of a sum of equals, relative to the sum.
+    double calcScaledError(const Eigen::VectorXd& scaled) const {
         return std::sqrt(std::max(0.0, scaled.dot(covariance_ * scaled))) / scaled.cwiseAbs().sum();
     }
 

@@ -69,4 +69,22 @@ TEST_CASE("findIdentifiable: two that only their sum is known of, beside one tha
     CHECK_FALSE(found.groups[0].separate_by.empty());
 }
 
+// The sum of four is known to 3 % of itself: a standard error of 0.06 along the unit vector, of 0.12 in the sum of four.
+TEST_CASE("findIdentifiable: a sum counts as known by its error relative to itself, however many members it has") {
+    const TwoSprings springs;
+    std::vector<Parameter> parameters;
+    for (const char* connection : {"1", "2", "3", "4"})
+        parameters.push_back(springs.find(std::string(connection) + ".y.stiffness"));
+    Eigen::Vector4d scale;
+    for (int i = 0; i < 4; ++i) scale[i] = calcScale(springs.model, parameters[i]);
+    const Eigen::Vector4d sum = Eigen::Vector4d::Constant(0.5);
+    const Eigen::Matrix4d covariance =
+        4 * (Eigen::Matrix4d::Identity() - sum * sum.transpose()) + 0.06 * 0.06 * sum * sum.transpose();
+    const auto halfWidth = [&](const Eigen::VectorXd& a) { return 1.96 * std::sqrt(a.dot(covariance * a)); };
+    const Identifiability found = findIdentifiable(springs.model, parameters, scale, covariance, halfWidth);
+    REQUIRE(found.groups.size() == 1);
+    REQUIRE(found.groups[0].known.size() == 1);
+    CHECK(found.groups[0].known[0].text == "1.y.stiffness + 2.y.stiffness + 3.y.stiffness + 4.y.stiffness");
+}
+
 }  // namespace wems::identify
