@@ -15,24 +15,29 @@ namespace {
 struct Trial {
     SurfaceCandidate summary;
     bool cubic = false, friction = false;
-    bool physical = true;      ///< no friction that drives, no negative stiffness at rest, beyond their intervals
-    bool wide_regions = true;  ///< every region between breakpoints is at least 3 % of the range: narrower is noise
+    bool wide_regions = true;   ///< every region between breakpoints is at least 3 % of the range: narrower is noise
+    double sign_penalty = 0;    ///< what zero in place of a sign that no mount has adds to −2 log likelihood (Wald)
     HingeFit fit;
     Eigen::Index stiffness_column = 1, friction_column = -1, cubic_column = -1, damping_column = -1;
 };
 
-/// Friction that drives the motion, and a stiffness at rest that pushes away from it, are no properties of a mount.
-void checkSigns(Trial& trial) {
+/// Friction that drives the motion, and a stiffness at rest that pushes away from it, are no properties of a mount: a
+/// law that asks for one pays what it would lose without. Where the truth is zero, as in a clearance, chance alone asks
+/// for a little, and costs little.
+void addSignPenalty(Trial& trial) {
     const Estimates& e = trial.fit.estimates;
-    if (trial.friction_column >= 0)
-        trial.physical = e.value[trial.friction_column] + e.calcHalfWidth(trial.friction_column) >= 0;
+    const auto add = [&](const Eigen::VectorXd& combination) {
+        const double value = combination.dot(e.value), variance = combination.dot(e.covariance * combination);
+        if (value < 0 && variance > 0) trial.sign_penalty += value * value / variance;
+    };
+    if (trial.friction_column >= 0) add(Eigen::VectorXd::Unit(e.value.size(), trial.friction_column));
     const Eigen::Index hinges = trial.fit.hinges.size();
     const Eigen::Index first = e.value.size() - 2 * hinges;
     Eigen::VectorXd at_rest = Eigen::VectorXd::Zero(e.value.size());
     at_rest[trial.stiffness_column] = 1;
     for (Eigen::Index j = 0; j < hinges; ++j)
         if (trial.fit.hinges[j].position < 0) at_rest[first + j] = 1;
-    trial.physical = trial.physical && at_rest.dot(e.value) + e.calcHalfWidth(at_rest) >= 0;
+    add(at_rest);
 }
 
 Trial tryLaw(const ComponentData& data, int hinges, bool cubic, bool friction) {
@@ -77,7 +82,7 @@ Trial tryLaw(const ComponentData& data, int hinges, bool cubic, bool friction) {
             }
         }
     }
-    checkSigns(trial);
+    addSignPenalty(trial);
     const double low = data.q.minCoeff(), high = data.q.maxCoeff();
     double last = low;
     for (const auto& hinge : trial.fit.hinges) {
@@ -229,10 +234,10 @@ SurfaceKind characteriseSurface(const ComponentData& data, double low_force) {
     kind.effective_samples = static_cast<double>(data.count()) / closest->fit.estimates.correlation_length;
     double best = std::numeric_limits<double>::infinity();
     for (auto& trial : trials) {
-        if (!trial.wide_regions || !trial.physical) continue;
+        if (!trial.wide_regions) continue;
         auto& s = trial.summary;
         s.information = kind.effective_samples * 2.0 * std::log(std::max(s.fraction, 1e-12)) +
-                        s.parameters * std::log(kind.effective_samples);
+                        s.parameters * std::log(kind.effective_samples) + trial.sign_penalty;
         best = std::min(best, s.information);
         kind.candidates.push_back(s);
     }
@@ -240,7 +245,7 @@ SurfaceKind characteriseSurface(const ComponentData& data, double low_force) {
     std::sort(trials.begin(), trials.end(),
               [](const Trial& a, const Trial& b) { return a.summary.parameters < b.summary.parameters; });
     const auto chosen = std::find_if(trials.begin(), trials.end(), [&](const Trial& trial) {
-        return trial.wide_regions && trial.physical && trial.summary.information <= best + 6.0;
+        return trial.wide_regions && trial.summary.information <= best + 6.0;
     });
     if (chosen == trials.end())
         throw InputError({data.file, 0, ""},
