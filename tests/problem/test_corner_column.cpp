@@ -45,8 +45,10 @@ private:
     Eigen::Vector3d at(double t, int first) const {
         const double octaves = std::log(10.0) / kDuration;
         const double angle = kTwoPi * 5 * (std::exp(octaves * t) - 1) / octaves;
-        // From rest to rest; the motion of a device that is driven by forces falls with frequency.
-        const double edge = std::min({1.0, std::max(0.0, t), std::max(0.0, kDuration - t)});
+        // From rest to rest; the motion of a device that is driven by forces falls with frequency. Two seconds of rise:
+        // what a faster one has below 5 Hz is lost from the recovered rotation, and 1 % of it leaves twice the noise,
+        // which bends the misfit too.
+        const double edge = std::min({1.0, 0.5 * std::max(0.0, t), 0.5 * std::max(0.0, kDuration - t)});
         const double size = std::exp(-octaves * t) * std::pow(std::sin(0.25 * kTwoPi * edge), 4);
         Eigen::Vector3d value;
         for (int a = 0; a < 3; ++a) value[a] = size * amplitude_[first + a] * std::sin(angle + phase_[first + a]);
