@@ -15,8 +15,8 @@ namespace {
 struct Trial {
     SurfaceCandidate summary;
     bool cubic = false, friction = false;
-    bool wide_regions = true;   ///< every region between breakpoints is at least 3 % of the range: narrower is noise
-    double sign_penalty = 0;    ///< what zero in place of a sign that no mount has adds to −2 log likelihood (Wald)
+    bool wide_regions = true;  ///< every region between breakpoints is at least 3 % of the range: narrower is noise
+    double sign_penalty = 0;   ///< what zero in place of a sign that no mount has adds to −2 log likelihood (Wald)
     HingeFit fit;
     Eigen::Index stiffness_column = 1, friction_column = -1, cubic_column = -1, damping_column = -1;
 };

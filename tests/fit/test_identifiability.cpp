@@ -69,7 +69,8 @@ TEST_CASE("findIdentifiable: two that only their sum is known of, beside one tha
     CHECK_FALSE(found.groups[0].separate_by.empty());
 }
 
-// The sum of four is known to 3 % of itself: a standard error of 0.06 along the unit vector, of 0.12 in the sum of four.
+// The sum of four is known to 3 % of itself: a standard error of 0.06 along the unit vector, of 0.12 in the sum of
+// four.
 TEST_CASE("findIdentifiable: a sum counts as known by its error relative to itself, however many members it has") {
     const TwoSprings springs;
     std::vector<Parameter> parameters;

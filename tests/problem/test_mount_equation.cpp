@@ -80,8 +80,8 @@ TEST_CASE("A relaxing law along a cubic motion has the force of the closed solut
         }
         CAPTURE(time_constant);
         // In closed form up to half an interval: a millionth of what the branch adds, k_b (q − z). Beyond, three Gauss
-        // points on steps h of half a time constant or less find z itself, to h⁶ (3!)⁴ / (7 (6!)³) = 8e-9 of the largest
-        // e⁻ˢ in a step, which is 1.27 times its mean.
+        // points on steps h of half a time constant or less find z itself, to h⁶ (3!)⁴ / (7 (6!)³) = 8e-9 of the
+        // largest e⁻ˢ in a step, which is 1.27 times its mean.
         const double branch = (expected - 1e5 * run.q.row(2).transpose()).cwiseAbs().maxCoeff();
         const double most = part < 0.5 ? 1e-6 * branch : 1e-8 * 0.4e5 * run.q.row(2).cwiseAbs().maxCoeff();
         CHECK((calcAxisForce(run, law, 0, 2) - expected).cwiseAbs().maxCoeff() < most);
