@@ -326,12 +326,26 @@ private:
             if (name[1] == name[2]) moments.emplace_back("body", index);
         }
         addCommon("inertia", moments);
+        if (moments.size() < 2) return;
+        Hypothesis& each = add("inertia", {"body"});
+        for (const auto& [place, index] : moments) {
+            each.directions.push_back({{index, at(index).reach}});
+            each.reported.push_back(index);
+        }
     }
 
     void addBracket(const ExcitedBand& swept) {
         for (std::size_t j = 0; j < model_.bracket.size(); ++j) {
             const std::string name = std::to_string(j + 1);
             const int frequency = row(name + ".frequency"), ratio = row(name + ".damping_ratio");
+            if (model_.bracket[j].translation.isZero(0.0) && model_.bracket[j].rotation.isZero(0.0)) {
+                result_.missing_mode_probe = result_.columns.probes.size();
+                const int probe = addProbe({frequency, 1.0, {}});
+                result_.missing_mode = static_cast<int>(result_.hypotheses.size());
+                Hypothesis& hypothesis = add("bracket_mode", {"bracket"});
+                hypothesis.directions = {{{probe, 1.0}}};
+                continue;
+            }
             for (int which = 0; which < 3; ++which) {
                 Hypothesis& hypothesis = add("bracket_mode", {"bracket"});
                 if (which != 1) hypothesis.directions.push_back({{frequency, at(frequency).reach}});

@@ -22,6 +22,10 @@ struct AxisReach {
 struct Catalogue {
     ColumnSet columns;  ///< the table's rows, and what the hypotheses need beside them
     std::vector<Hypothesis> hypotheses;
+    /// The hypothesis of a mode that the model lacks, −1 if there is none, and its probe: a model's last mode without a
+    /// shape stands for it.
+    int missing_mode = -1;
+    std::size_t missing_mode_probe = 0;
 };
 
 /// @param swept Hz, lowest and highest swept frequency if the load is a sweep; zeros if not

@@ -18,44 +18,6 @@ namespace wems::identify::commands {
 
 namespace {
 
-/// When the steps of a diagnosis usually begin, as part of its whole time: as if the present round were the last one,
-/// the first one as if it found a cause.
-class StepShares {
-public:
-    /// Zero where it cannot be told.
-    double findBegin(const std::string& step) {
-        const auto is = [&](const char* name) { return step.rfind(name, 0) == 0; };
-        if (is("equations of motion with")) known_ = false;  // all over again
-        if (!known_) return 0;
-        if (is("round")) ++rounds_;
-        if (is("rivals")) ++rivals_;
-        const int causes = std::max(1, rounds_ - 1);
-        double done = reading, left = one_round + causes * rivals + judging;
-        if (is("equations of motion")) {
-            left += equations + one_round + adoption;
-        } else if (is("round")) {
-            done += equations + (rounds_ - 1) * (one_round + adoption);
-            if (rounds_ == 1) left += one_round + adoption;
-        } else if (is("taken")) {
-            done += equations + rounds_ * one_round + (rounds_ - 1) * adoption;
-            left += adoption + (rounds_ - causes) * rivals;
-        } else if (is("rivals")) {
-            done += equations + rounds_ * one_round + (rounds_ - 1) * adoption + (rivals_ - 1) * rivals;
-            left = (causes - rivals_ + 1) * rivals + judging;
-        } else {
-            return 0;
-        }
-        return done / (done + left);
-    }
-
-private:
-    // As measured, in units of the time that setting the equations up takes.
-    static constexpr double reading = 0.08, equations = 1, one_round = 0.95, adoption = 0.4, rivals = 1.5,
-                            judging = 0.1;
-    int rounds_ = 0, rivals_ = 0;
-    bool known_ = true;
-};
-
 /// Tests of one element; false if the first recording is of a device.
 bool readElementTests(const RunSelection& runs, const ColumnMap* map, DiagnoseAnswer& answer) {
     for (const auto& [sources, group] :
@@ -110,8 +72,8 @@ DiagnoseAnswer runDiagnosis(DiagnoseRequest request, Watcher& watcher) {
         checkSampleRate(*group, answer.model);
         checkDisplacements(*group, answer.model);
     }
-    StepShares shares;
-    options.progress = [&](const std::string& text) { watcher.onStep(text, shares.findBegin(text), 1); };
+    // How many rounds there will be is not known.
+    options.progress = [&](const std::string& text) { watcher.onStep(text, 0, 1); };
     answer.diagnosis = diagnose(answer.identification, answer.validation, answer.model, options);
     answer.extended = answer.diagnosis.extended;
     answer.notes = makeAdmissible(answer.model, answer.extended);

@@ -31,17 +31,9 @@ nlohmann::json makeParameters(const std::vector<CauseParameter>& parameters, boo
     return list;
 }
 
-/// What was tried in which order: the search among exact numbers, or that with tolerances.
-nlohmann::json makeDecisions(const std::vector<SearchRound>& rounds, const std::vector<Decision>& decisions) {
+/// What was tried in which order.
+nlohmann::json makeDecisions(const std::vector<Decision>& decisions) {
     auto list = nlohmann::json::array();
-    for (const auto& round : rounds) {
-        auto candidates = nlohmann::json::array();
-        for (const auto& trial : round.trials)
-            candidates.push_back({{"cause", trial.cause},
-                                  {"identification", numberOrNull(trial.identification)},
-                                  {"validation", numberOrNull(trial.validation)}});
-        list.push_back({{"action", round.reason}, {"candidates", candidates}});
-    }
     for (const auto& decision : decisions) {
         auto candidates = nlohmann::json::array();
         for (const auto& candidate : decision.candidates)
@@ -97,7 +89,7 @@ nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis) {
             {"causes", causes},
             {"adjustments", adjustments},
             {"prediction", {{"band", diagnosis.prediction_band ? numberOrNull(*diagnosis.prediction_band) : nullptr}}},
-            {"decisions", makeDecisions(diagnosis.rounds, diagnosis.decisions)},
+            {"decisions", makeDecisions(diagnosis.decisions)},
             {"unexplained",
              {{"fraction", numberOrNull(after.validation)},
               {"noise_floor", numberOrNull(diagnosis.noise_floor.validation)},
@@ -105,13 +97,6 @@ nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis) {
             {"open_loop_misfit",
              {{"before", numberOrNull(diagnosis.misfit_before)}, {"after", numberOrNull(diagnosis.misfit_after)}}},
             {"validated", diagnosis.validated}};
-}
-
-std::string describePlace(const SearchRound& round) {
-    if (!(round.identification_before > 1) || !(round.place_share > 0))
-        return "what the mount leaves does not exceed the noise";
-    return "a force of any history along " + round.place + " alone could make " +
-           formatPercent(std::min(round.place_share, 1.0)) + " of what the mount leaves above the noise";
 }
 
 std::vector<std::vector<std::string>> tabulateCandidates(const Decision& decision) {
@@ -154,7 +139,7 @@ std::vector<std::vector<std::string>> tabulateCauses(const Diagnosis& diagnosis)
 }
 
 bool usesTolerances(const Diagnosis& diagnosis) {
-    return !diagnosis.decisions.empty();
+    return diagnosis.of_element || diagnosis.error_adjusted.identification != diagnosis.error_before.identification;
 }
 
 std::vector<std::vector<std::string>> tabulateErrors(const Diagnosis& diagnosis) {
@@ -186,17 +171,6 @@ std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
     Table adjusted({"adjusted within its tolerance", "believed", "±", "value", "95 % interval", "unit"});
     for (const auto& row : tabulateAdjustments(diagnosis)) adjusted.addRow(row);
     if (!adjusted.empty()) text += "\n" + adjusted.format(style);
-    for (std::size_t r = 0; r < diagnosis.rounds.size(); ++r) {
-        const auto& round = diagnosis.rounds[r];
-        text += "\nRound " + std::to_string(r + 1) + ": " + round.reason + "; " + describePlace(round) + "\n";
-        Table table({"candidate", "identification", "validation", ""});
-        for (std::size_t i = 0; i < round.trials.size(); ++i) {
-            const auto& trial = round.trials[i];
-            table.addRow({trial.cause, formatNumber(trial.identification, 4), formatNumber(trial.validation, 4),
-                          static_cast<int>(i) == round.taken ? "taken" : ""});
-        }
-        if (!table.empty()) text += table.format(style);
-    }
     Table parameters({"cause", "probability", "gain dB", "parameter", "value", "95 % interval", "unit"});
     for (const auto& row : tabulateCauses(diagnosis)) parameters.addRow(row);
     if (!parameters.empty()) text += "\n" + parameters.format(style);

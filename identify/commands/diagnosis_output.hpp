@@ -14,9 +14,7 @@
 namespace wems::identify::commands {
 
 nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis);
-/// At which axis alone a force could make most of what the mount leaves, if it leaves more than noise.
-std::string describePlace(const SearchRound& round);
-/// A round of the search with tolerances as a sentence, and its candidates with their log odds.
+/// A round of the search as a sentence, and its candidates with their log odds.
 std::string describeDecision(const Decision& decision);
 std::vector<std::vector<std::string>> tabulateCandidates(const Decision& decision);
 /// Name, believed value, tolerance, value, interval and unit of each number that moved within its tolerance.

@@ -77,11 +77,16 @@ void addAdjustments(const Diagnosis& diagnosis, HtmlReport& page) {
 
 void addDecisions(const Diagnosis& diagnosis, HtmlReport& page) {
     if (diagnosis.decisions.empty()) return;
-    page.addHeading("Why: the rounds of the selection with tolerances");
+    page.addHeading("Why: the rounds of the selection");
     page.addText(
-        "Exact numbers with a cause or two left a part of the error, so that every number was allowed its tolerance. "
-        "In each round every cause of the catalogue is weighed at every place, all tolerances adjusted along with it. "
-        "Log odds are those of the causes taken so far with the candidate, over those without.");
+        usesTolerances(diagnosis)
+            ? "Exact numbers with a cause or two left a part of the error, so that every number was allowed its "
+              "tolerance. In each round every cause of the catalogue is weighed at every place, all tolerances "
+              "adjusted along with it. Log odds are those of the causes taken so far with the candidate, over "
+              "those without."
+            : "All numbers are taken as exact but those of the causes. In each round every cause of the "
+              "catalogue is weighed at every place, and the best few are fitted. Log odds are those of the "
+              "causes taken so far with the candidate, over those without, before it was fitted.");
     for (std::size_t r = 0; r < diagnosis.decisions.size(); ++r) {
         page.addText("Round " + std::to_string(r + 1) + ": " + describeDecision(diagnosis.decisions[r]) + ".");
         const auto rows = tabulateCandidates(diagnosis.decisions[r]);
@@ -89,34 +94,9 @@ void addDecisions(const Diagnosis& diagnosis, HtmlReport& page) {
     }
 }
 
-void addRounds(const Diagnosis& diagnosis, HtmlReport& page) {
-    if (diagnosis.rounds.empty()) return;
-    page.addHeading("Why: the rounds of the selection");
-    page.addText(
-        "In each round the candidates that promise most are fitted to the identification recordings, together with "
-        "what was taken before. Numbers are misfits per value of the equations of motion; noise alone leaves 1. A "
-        "candidate "
-        "is taken if it is the best one and reduces the misfit of the validation recordings too.");
-    for (std::size_t r = 0; r < diagnosis.rounds.size(); ++r) {
-        const auto& round = diagnosis.rounds[r];
-        page.addText("Round " + std::to_string(r + 1) + ": " + round.reason + ". Before: identification " +
-                     formatNumber(round.identification_before, 4) + ", validation " +
-                     formatNumber(round.validation_before, 4) + "; " + describePlace(round) + ".");
-        std::vector<std::vector<std::string>> rows;
-        for (std::size_t i = 0; i < round.trials.size(); ++i) {
-            const auto& trial = round.trials[i];
-            std::vector<std::string> values;
-            for (const double value : trial.values) values.push_back(formatNumber(value));
-            rows.push_back({trial.cause, joinWords(values, ", "), formatNumber(trial.identification, 4),
-                            formatNumber(trial.validation, 4), static_cast<int>(i) == round.taken ? "taken" : ""});
-        }
-        if (!rows.empty()) page.addTable({"candidate", "values, SI", "identification", "validation", ""}, rows);
-    }
-}
-
 void addSpectrum(const Diagnosis& diagnosis, HtmlReport& page) {
     if (diagnosis.spectrum.frequency.empty()) return;
-    Plot plot{"Misfit of the equations of motion, validation recordings",
+    Plot plot{"Misfit of the mount's equation of motion, recordings that judge",
               "frequency [Hz]",
               "misfit per value [-]",
               {},
@@ -165,7 +145,6 @@ void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, c
     addSpectrum(diagnosis, page);
     addAdjustments(diagnosis, page);
     addDecisions(diagnosis, page);
-    addRounds(diagnosis, page);
     page.addHeading("How the motion was obtained");
     page.addList(diagnosis.notes);
     page.write(file, outputs);

@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "identify/commands/recordings.hpp"
-#include "identify/exact/expectation.hpp"
 #include "identify/forward/drive.hpp"
 #include "identify/forward/forward_model.hpp"
+#include "identify/forward/simulated_recording.hpp"
 #include "models/common/error.hpp"
 #include "models/common/format_number.hpp"
 

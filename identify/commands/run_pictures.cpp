@@ -4,13 +4,13 @@
 #include <cmath>
 #include <vector>
 
-#include "identify/exact/channel_faults.hpp"
-#include "identify/exact/pass.hpp"
-#include "identify/exact/whitening.hpp"
 #include "identify/forward/compare.hpp"
 #include "identify/forward/forward_model.hpp"
 #include "identify/inspect/order_tracking.hpp"
+#include "identify/motion/channel_correction.hpp"
 #include "identify/motion/spectrum.hpp"
+#include "identify/problem/slow_motion.hpp"
+#include "identify/verdict/free_error.hpp"
 #include "models/common/format_number.hpp"
 #include "models/common/units.hpp"
 

@@ -4,7 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include "identify/exact/exact_diagnosis.hpp"
 #include "identify/updating/settling.hpp"
 #include "identify/updating/update.hpp"
 #include "models/common/error.hpp"
@@ -26,7 +25,7 @@ std::optional<Diagnosis> diagnoseWithTolerances(const std::vector<Recording>& id
                                                 const DiagnosisOptions& options) {
     if (isExactlyKnown(model)) return std::nullopt;
     try {
-        return updating::updateModel(identification, validation, model, options);
+        return updating::updateModel(identification, validation, model, updating::Numbers::within_tolerances, options);
     } catch (const InputError&) {  // said by the step with exact numbers too, in the terms of its own needs
         return std::nullopt;
     }
@@ -57,7 +56,8 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
                    const MountModel& model, const DiagnosisOptions& options) {
     if (identification.empty()) throw InputError({}, "no recording to diagnose", "at least one CSV file");
     // The simplest world first: exact numbers and a cause or two. Where that leaves something, nothing is exact.
-    Diagnosis exact = checkVerdict(diagnoseExact(identification, validation, model, options), model);
+    Diagnosis exact = checkVerdict(
+        updating::updateModel(identification, validation, model, updating::Numbers::exact, options), model);
     if (exact.verdict != Diagnosis::Verdict::unexplained) return exact;
     auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
     if (adjusted) adjusted = checkVerdict(std::move(*adjusted), model);

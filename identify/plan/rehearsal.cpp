@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
-#include "identify/exact/expectation.hpp"
 #include "identify/forward/forward_model.hpp"
+#include "identify/forward/simulated_recording.hpp"
 #include "models/common/format_number.hpp"
 #include "models/excitation.hpp"
 

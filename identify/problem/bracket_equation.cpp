@@ -95,35 +95,6 @@ Eigen::MatrixXd BracketEquation::calcPrediction(const MountModel& model) const {
     return calcResponse(model, calcParticipations(model) * calcInputs(model));
 }
 
-Eigen::MatrixXcd BracketEquation::calcInputSpectra(const MountModel& model) const {
-    return fourier_.forward(calcInputs(model));
-}
-
-Eigen::VectorXd BracketEquation::calcModeCoordinate(const BracketMode& mode,
-                                                    const Eigen::Ref<const Eigen::VectorXcd>& force_spectrum) const {
-    const double step = kTwoPi / (fourier_.size() * run_->interval);
-    Eigen::MatrixXcd coordinate(1, force_spectrum.size());
-    for (Eigen::Index k = 0; k < force_spectrum.size(); ++k)
-        coordinate(0, k) = calcModalResponse(mode, step * static_cast<double>(k)) * force_spectrum[k];
-    return fourier_.inverse(coordinate, run_->sampleCount()).transpose();
-}
-
-Eigen::VectorXd BracketEquation::calcModeDifference(const BracketMode& from, const BracketMode& to,
-                                                    const Eigen::Ref<const Eigen::VectorXcd>& force_spectrum) const {
-    const double step = kTwoPi / (fourier_.size() * run_->interval);
-    Eigen::MatrixXcd coordinate(1, force_spectrum.size());
-    for (Eigen::Index k = 0; k < force_spectrum.size(); ++k) {
-        const double w = step * static_cast<double>(k);
-        coordinate(0, k) = (calcModalResponse(to, w) - calcModalResponse(from, w)) * force_spectrum[k];
-    }
-    return fourier_.inverse(coordinate, run_->sampleCount()).transpose();
-}
-
-Eigen::MatrixXd BracketEquation::calcBodyDifference(const MountModel& from, const MountModel& to) const {
-    const Eigen::MatrixXd demand = calcDemand(*run_, to.body, to.gravity) - calcDemand(*run_, from.body, from.gravity);
-    return calcResponse(to, calcModalForces(to, demand));
-}
-
 Eigen::MatrixXd BracketEquation::calcResidual(const MountModel& model) const {
     Eigen::MatrixXd residual = calcPrediction(model);
     residual.topRows(3) -= run_->fixed.p;

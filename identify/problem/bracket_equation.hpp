@@ -35,18 +35,6 @@ public:
     /// the opposite sign; 12 x samples.
     Eigen::MatrixXd calcInputs(const MountModel& model) const;
 
-    /// Spectra of the inputs of a model: 12 x bins.
-    Eigen::MatrixXcd calcInputSpectra(const MountModel& model) const;
-    /// A mode's coordinate under a modal force of this spectrum.
-    Eigen::VectorXd calcModeCoordinate(const BracketMode& mode,
-                                       const Eigen::Ref<const Eigen::VectorXcd>& force_spectrum) const;
-    /// Change of a mode's coordinate where its frequency or damping ratio change.
-    /// @param force_spectrum of its modal force
-    Eigen::VectorXd calcModeDifference(const BracketMode& from, const BracketMode& to,
-                                       const Eigen::Ref<const Eigen::VectorXcd>& force_spectrum) const;
-    /// Change of the prediction where the mobile body alone differs.
-    Eigen::MatrixXd calcBodyDifference(const MountModel& from, const MountModel& to) const;
-
     /// Predicted minus measured motion.
     Eigen::MatrixXd calcResidual(const MountModel& model) const;
 

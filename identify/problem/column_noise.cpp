@@ -124,9 +124,9 @@ ColumnNoise::Column ColumnNoise::makeMode(int mode, int which) const {
             const Vector6 e = Vector6::Unit(which - 2);
             addOuter(h, e, shape, own.load_translation);
             addOuter(h, shape, e, Eigen::Vector3d::Zero());
-        } else {
+        } else if (which < 11) {
             addOuter(h, shape, Vector6::Zero(), Eigen::Vector3d::Unit(which - 8));
-        }
+        }  // the base's acceleration has no noise here
         return terms;
     };
 }

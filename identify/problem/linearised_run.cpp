@@ -204,6 +204,10 @@ public:
             const Unknown& row = table[probe.parameter];
             TestState from = state_;
             for (const auto& [other, value] : probe.preset) table[other].set(from, value);
+            if (row.kind == UnknownKind::mode) {
+                if (at_.hasBracket()) addBracket(table.size() + i, at_.calcAddedMode(from.model.bracket[row.first]));
+                continue;
+            }
             TestState to = from;
             row.set(to, row.get(from) + probe.step);
             const Eigen::Index column = table.size() + i;

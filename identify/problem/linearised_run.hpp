@@ -20,9 +20,9 @@
 
 namespace wems::identify {
 
-/// A change of a law far from the state: a column of its own, as the law is not linear in the number.
+/// A change far from the state: a column of its own, as the equations are not linear in the number.
 struct Probe {
-    int parameter = 0;                           ///< row of the table, of kind law
+    int parameter = 0;                           ///< row of the table, of kind law; of kind mode: that mode as preset
     double step = 0;                             ///< the column is (residual after the step − before) / step
     std::vector<std::pair<int, double>> preset;  ///< rows and values that are set first
 };

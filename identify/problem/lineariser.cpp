@@ -185,6 +185,11 @@ Eigen::MatrixXcd Lineariser::calcShapeColumn(int mode, int entry) const {
     return white;
 }
 
+Eigen::MatrixXcd Lineariser::calcAddedMode(const BracketMode& mode) const {
+    const Modal modal = makeModal(mode);
+    return modal.white * modal.response.cwiseProduct(modal.force).asDiagonal();
+}
+
 Eigen::MatrixXd Lineariser::calcLoadOf(int axis) const {
     Eigen::MatrixXd load = calcLoad(open_, model_);
     for (Eigen::Index other = 0; axis < 3 && other < load.rows(); ++other)

@@ -20,6 +20,8 @@ namespace wems::identify {
 class Lineariser {
 public:
     Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state);
+    Lineariser(const Lineariser&) = delete;  // its parts point at each other
+    Lineariser& operator=(const Lineariser&) = delete;
 
     /// What the columns need beyond the residual.
     void prepareColumns();
@@ -56,6 +58,10 @@ public:
     /// Whitened rows of the bracket (6 x bins).
     Eigen::MatrixXcd calcModeColumn(int mode, int which) const;
     Eigen::MatrixXcd calcShapeColumn(int mode, int entry) const;
+    /// Of a mode that the model lacks.
+    Eigen::MatrixXcd calcAddedMode(const BracketMode& mode) const;
+    /// Spectra of what drives the modes (BracketEquation::calcInputs), 12 x bins.
+    const Eigen::MatrixXcd& inputs() const { return inputs_; }
 
     /// What a load (N, 3 x samples) adds to the equations, wherever the model has it act; empty where it adds nothing.
     void calcLoadColumn(const Eigen::MatrixXd& load, Eigen::MatrixXcd& mount, Eigen::MatrixXcd& bracket) const;

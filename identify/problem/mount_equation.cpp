@@ -193,32 +193,4 @@ Eigen::MatrixXd calcMountResidual(const OpenLoopRun& run, const MountModel& mode
     return wrench;
 }
 
-bool sameBody(const MobileBody& a, const MobileBody& b) {
-    return a.mass == b.mass && a.center_of_gravity == b.center_of_gravity && a.inertia == b.inertia && a.spin == b.spin;
-}
-
-Eigen::MatrixXd calcMountDifference(const OpenLoopRun& run, const MountModel& from, const MountModel& to) {
-    Eigen::MatrixXd wrench;
-    if (!sameBody(from.body, to.body))
-        wrench = calcDemand(run, to.body, to.gravity) - calcDemand(run, from.body, from.gravity);
-    if (loadsMobilePart(run, to)) {
-        const Eigen::MatrixXd load = calcLoad(run, to) - calcLoad(run, from);
-        if (!load.isZero(0.0)) {
-            if (wrench.size() == 0) wrench = Eigen::MatrixXd::Zero(6, run.sampleCount());
-            wrench -= calcLoadWrench(run, *to.load_point, load);
-        }
-    }
-    for (std::size_t i = 0; i < to.connections.size(); ++i)
-        for (int a = 0; a < 3; ++a) {
-            const auto c = static_cast<int>(i);
-            const auto &before = from.connections[i].axis[a], &after = to.connections[i].axis[a];
-            if (before == after) continue;
-            const Eigen::VectorXd force = calcAxisForce(run, after, c, a) - calcAxisForce(run, before, c, a);
-            if (force.isZero(0.0)) continue;  // such as a stop that is not reached
-            if (wrench.size() == 0) wrench = Eigen::MatrixXd::Zero(6, run.sampleCount());
-            addAxisWrench(run, to, c, a, force, wrench);
-        }
-    return wrench;
-}
-
 }  // namespace wems::identify

@@ -58,9 +58,4 @@ Eigen::MatrixXd calcDemand(const OpenLoopRun& run, const MobileBody& body, const
 /// Demand less the load on the mobile part, plus all axes.
 Eigen::MatrixXd calcMountResidual(const OpenLoopRun& run, const MountModel& model);
 
-bool sameBody(const MobileBody& a, const MobileBody& b);
-
-/// Residual of `to` minus residual of `from`, computing what differs only. Empty if nothing does.
-Eigen::MatrixXd calcMountDifference(const OpenLoopRun& run, const MountModel& from, const MountModel& to);
-
 }  // namespace wems::identify

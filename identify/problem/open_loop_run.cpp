@@ -56,10 +56,6 @@ Matrix6 calcStiffnessMatrix(const MountModel& model) {
     return sumAxes(model, &AxisLaw::stiffness);
 }
 
-Matrix6 calcDampingMatrix(const MountModel& model) {
-    return sumAxes(model, &AxisLaw::damping);
-}
-
 namespace {
 
 // In units of the highest frequency that is kept: the end of a transition band, and a rate that holds what is left.

@@ -22,7 +22,6 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 Matrix6 calcMassMatrix(const MobileBody& body);
 /// Of the elastomers alone: stops and what else the laws hold left out.
 Matrix6 calcStiffnessMatrix(const MountModel& model);
-Matrix6 calcDampingMatrix(const MountModel& model);
 /// Of the mobile part's six motions: 1 where it is free, 0 where a guide holds it. A guide gives whatever force it
 /// must: the equations of held motions say nothing of the mount.
 Vector6 calcFreedom(const MobileBody& body);

@@ -246,21 +246,25 @@ private:
             addShape(index, "u", &BracketMode::translation, 0);
             addShape(index, "r", &BracketMode::rotation, 3);
             addShape(index, "load.u", &BracketMode::load_translation, 6);
+            addShape(index, "base.u", &BracketMode::base_participation, 9);
         }
     }
 
     void addShape(int index, const char* prefix, Eigen::Vector3d BracketMode::*member, int first) {
         const std::size_t j = index;
         const BracketMode& mode = model_.bracket[j];
-        const bool turns = first == 3;
+        const bool turns = first == 3, of_base = first == 9;
+        // Of a mode without a shape, which is yet to be found, the base's part is too.
+        if (of_base && !(mode.translation.isZero(0.0) && mode.rotation.isZero(0.0))) return;
         const double size =
-            turns ? mode.rotation.cwiseAbs().maxCoeff()
-                  : std::max(mode.translation.cwiseAbs().maxCoeff(), mode.load_translation.cwiseAbs().maxCoeff());
+            turns     ? mode.rotation.cwiseAbs().maxCoeff()
+            : of_base ? mode.base_participation.cwiseAbs().maxCoeff()
+                      : std::max(mode.translation.cwiseAbs().maxCoeff(), mode.load_translation.cwiseAbs().maxCoeff());
         for (int a = 0; a < 3; ++a)
             add(
                 UnknownKind::shape, std::to_string(index + 1) + "." + prefix + kAxes[a],
-                turns ? "kg^-1/2 m^-1" : "kg^-1/2", tolerance(ToleranceOf::mode_shape, mode.tolerances) * size, size,
-                index, first + a,
+                turns ? "kg^-1/2 m^-1" : (of_base ? "kg^1/2" : "kg^-1/2"),
+                tolerance(ToleranceOf::mode_shape, mode.tolerances) * size, size > 0 ? size : 1.0, index, first + a,
                 [j, member, a](const TestState& state) { return (state.model.bracket[j].*member)[a]; },
                 [j, member, a](TestState& state, double value) { (state.model.bracket[j].*member)[a] = value; });
     }

@@ -8,19 +8,19 @@
 #include <utility>
 
 #include "identify/catalogue/hypotheses.hpp"
+#include "identify/verdict/free_error.hpp"
 
 namespace wems::identify {
 namespace {
 
 constexpr double kQuantile = 1.959963984540054;  // of 95 % of a normal variable
 constexpr double kLargestDecibels = 120.0;
-constexpr double kRivalProbability = 0.02;           // a set at least this likely makes its causes rivals
-constexpr double kFloors = 1.5, kLeastError = 0.03;  // contract, verdict: below these nothing is unexplained
-constexpr double kStill = 1;                         // the error of a response that does not move
-constexpr double kNoStop = 0.1;                      // of the believed stiffness: a stop that soft is none
-constexpr double kTold = 0.25;                       // of the prior variance, which the tests leave of a number
-constexpr int kDraws = 100;                          // of the band: its 95 % quantile is good to a tenth of its spread
-constexpr unsigned kSeed = 20260101;                 // the same answer again
+constexpr double kRivalProbability = 0.02;  // a set at least this likely makes its causes rivals
+constexpr double kStill = 1;                // the error of a response that does not move
+constexpr double kNoStop = 0.1;             // of the believed stiffness: a stop that soft is none
+constexpr double kTold = 0.25;              // of the prior variance, which the tests leave of a number
+constexpr int kDraws = 100;                 // of the band: its 95 % quantile is good to a tenth of its spread
+constexpr unsigned kSeed = 20260101;        // the same answer again
 
 class Diagnostician {
 public:
@@ -180,8 +180,8 @@ ResidualDiagnosis diagnoseResidual(const ResidualProblem& problem, const Diagnos
 bool isLeft(const Diagnosis& diagnosis) {
     const double error = diagnosis.error_after.validation;
     if (error >= kStill) return true;
-    return !(error <= diagnosis.prediction_band.value_or(0)) && error > kFloors * diagnosis.noise_floor.validation &&
-           error > kLeastError;
+    return !(error <= diagnosis.prediction_band.value_or(0)) &&
+           isWorthExplaining({error, diagnosis.noise_floor.validation});
 }
 
 Diagnosis::Verdict judgeVerdict(const Diagnosis& diagnosis) {

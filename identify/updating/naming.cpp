@@ -3,6 +3,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
+#include <vector>
 
 namespace wems::identify::updating {
 namespace {
@@ -21,6 +24,33 @@ double toleranceOf(const Unknown& row) {
 }
 
 }  // namespace
+
+std::string describe(const Hypothesis& hypothesis) {
+    std::string text = hypothesis.cause;
+    for (const auto& place : hypothesis.where) text += " " + place;
+    return text;
+}
+
+std::string signatureOf(const TestProblem& problem, const HypothesisSet& set) {
+    std::vector<std::string> statements;
+    for (const int h : set) {
+        const Hypothesis& hypothesis = problem.hypotheses()[h];
+        std::set<int> moved;
+        for (const Direction& direction : hypothesis.directions)
+            for (const auto& [column, weight] : direction) {
+                const auto probe = std::find_if(hypothesis.moves.begin(), hypothesis.moves.end(),
+                                                [own = column](const auto& move) { return move.first == own; });
+                moved.insert(probe == hypothesis.moves.end() ? column : probe->second);
+            }
+        std::string statement = describe(hypothesis);
+        for (const int row : moved) statement += " " + std::to_string(row);
+        statements.push_back(std::move(statement));
+    }
+    std::sort(statements.begin(), statements.end());
+    std::string text;
+    for (const auto& statement : statements) text += statement + "; ";
+    return text;
+}
 
 bool isSensorFault(const Hypothesis& hypothesis) {
     return hypothesis.cause.rfind("sensor_", 0) == 0;
@@ -91,8 +121,12 @@ TestPoint holdBack(const TestProblem& problem, const SetState& state, int member
     HypothesisSet others = state.set;
     others.erase(std::remove(others.begin(), others.end(), member), others.end());
     Eigen::VectorXd estimate = problem.estimateOf(state.point);
-    if (!isToleranced(problem, hypothesis))
-        return problem.pointAt(estimate + evidence.solve(others).mean - evidence.solve(state.set).mean, others);
+    if (!isToleranced(problem, hypothesis) || problem.numbers() == Numbers::exact) {
+        estimate += evidence.solve(others).mean - evidence.solve(state.set).mean;
+        TestPoint point = problem.reduce(problem.pointAt(estimate, others), others);
+        problem.release(point, member);
+        return point;
+    }
     HypothesisSet with = others;
     with.insert(std::lower_bound(with.begin(), with.end(), member), member);
     std::vector<Eigen::Index> rows;

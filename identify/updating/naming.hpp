@@ -3,9 +3,17 @@
 /// number that is off by less than its tolerance is no cause but an adjustment).
 #pragma once
 
+#include <string>
+
 #include "identify/updating/settling.hpp"
 
 namespace wems::identify::updating {
+
+/// `clearance 4.z.+ 4.z.-`
+std::string describe(const Hypothesis& hypothesis);
+
+/// What a set says, where and of which numbers: two sets of one statement differ only in where they began to look.
+std::string signatureOf(const TestProblem& problem, const HypothesisSet& set);
 
 /// Of a sensor, whose faults free simulations need not show.
 bool isSensorFault(const Hypothesis& hypothesis);
@@ -32,7 +40,7 @@ bool takesHalf(const Information& all, const Eigen::VectorXd& with, const Eigen:
 TestPoint bringBack(const TestProblem& problem, const SetState& state, const Hypothesis& hypothesis);
 
 /// The point without one cause of a state, all other numbers following by first order: what has a tolerance is brought
-/// back to it, a mechanism is left out.
+/// back to it, a mechanism is left out. Where numbers are exact, one without its cause is as believed.
 /// @param evidence of the state's view, with all hypotheses
 TestPoint holdBack(const TestProblem& problem, const SetState& state, int member, const Evidence& evidence);
 

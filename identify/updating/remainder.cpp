@@ -6,7 +6,9 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <map>
 #include <random>
+#include <utility>
 
 #include "identify/forward/forward_model.hpp"
 #include "identify/motion/parallel.hpp"
@@ -124,6 +126,41 @@ std::vector<std::string> locateRemainder(const TestView& view, const std::vector
     if (contact < kRegime) places.emplace_back("free");
     if (contact > 1 - kRegime) places.emplace_back("contact");
     return places;
+}
+
+namespace {
+
+constexpr double kBandsPerOctave = 8;
+
+/// Mean square of six complex values in each band, by its number.
+std::map<int, double> calcBandMisfit(const TestView& view, std::size_t first) {
+    std::map<int, std::pair<double, double>> sums;
+    for (std::size_t r = first; r < view.runs.size(); ++r) {
+        const LinearisedRun& run = view.runs[r];
+        for (Eigen::Index b = 0; b < run.mount_residual.cols(); ++b) {
+            auto& [square, count] = sums[static_cast<int>(std::floor(kBandsPerOctave * std::log2(run.frequency[b])))];
+            square += run.mount_residual.col(b).squaredNorm();
+            count += 6;
+        }
+    }
+    std::map<int, double> misfit;
+    for (const auto& [band, sum] : sums) misfit[band] = sum.first / sum.second;
+    return misfit;
+}
+
+}  // namespace
+
+MisfitSpectrum calcMisfitSpectrum(const TestView& before, const TestView& after, std::size_t first) {
+    MisfitSpectrum spectrum;
+    const std::map<int, double> with = calcBandMisfit(after, first);
+    for (const auto& [band, misfit] : calcBandMisfit(before, first)) {
+        const auto own = with.find(band);
+        if (own == with.end()) continue;
+        spectrum.frequency.push_back(std::exp2((band + 0.5) / kBandsPerOctave));
+        spectrum.before.push_back(misfit);
+        spectrum.after.push_back(own->second);
+    }
+    return spectrum;
 }
 
 }  // namespace wems::identify::updating

@@ -28,4 +28,7 @@ double calcPredictionBand(const TestProblem& problem, const HypothesisSet& set, 
 std::vector<std::string> locateRemainder(const TestView& view, const std::vector<double>& misfit,
                                          const MountModel& model);
 
+/// Misfit of the mount's equation per value over frequency, of the runs from the one with index `first` on.
+MisfitSpectrum calcMisfitSpectrum(const TestView& before, const TestView& after, std::size_t first);
+
 }  // namespace wems::identify::updating

@@ -27,20 +27,14 @@ constexpr double kWorth = 0.05;
 /// numbers that they hardly know, one in twenty comes out so by chance.
 constexpr double kSure = 0.95;
 
-/// What a set says and where: two sets of one statement differ only in where they began to look.
-std::string signatureOf(const TestProblem& problem, const HypothesisSet& set) {
-    std::vector<std::string> statements;
-    for (const int h : set) statements.push_back(describe(problem.hypotheses()[h]));
-    std::sort(statements.begin(), statements.end());
-    std::string text;
-    for (const auto& statement : statements) text += statement + "; ";
-    return text;
-}
-
 class Selector {
 public:
     Selector(TestProblem& problem, const FreeJudge& judge, const std::function<void(const std::string&)>& progress)
-        : problem_(problem), judge_(judge), progress_(progress), settler_(problem) {}
+        : problem_(problem),
+          judge_(judge),
+          progress_(progress),
+          settler_(problem),
+          settled_(problem, settler_, judge_) {}
 
     Selection run() {
         tell("equations of motion");
@@ -48,9 +42,10 @@ public:
         state_.view = problem_.view(state_.point, state_.set);
         settler_.settle(state_, kMostSettling, true);
         result_.adjusted = state_.point;
-        error_ = judge_(state_.point, state_.set);
+        standing_.judged = judge_(state_.point, state_.set);
         for (int round = 0; round < kMostRounds; ++round)
             if (!step(round)) break;
+        settled_.finish(standing_);
         tell("tolerances");
         nameNumbers();
         dropWorthless();
@@ -59,9 +54,10 @@ public:
         result_.fitted_noise = makeEvidence(problem_, state_.view, {}, true).calcPosterior(state_.set);
         // What is predicted for the validation runs rests on the identification runs alone.
         settler_.settle(state_, kMostRefining, false);
-        result_.posterior = makeEvidence(problem_, state_.view, state_.scales, false).calcPosterior(state_.set);
+        result_.posterior = calcPosterior();
         result_.noise = makeEvidence(problem_, state_.view, {}, false).calcPosterior(state_.set);
         if (state_.set.empty()) result_.adjusted = state_.point;
+        result_.ranked = std::move(standing_.ranked);
         result_.state = std::move(state_);
         return std::move(result_);
     }
@@ -74,6 +70,19 @@ private:
         double log_evidence = 0;  ///< of the quadratic, less half of what the misfit exceeds the quadratic's by
     };
 
+    /// Of the identification runs. Where exact numbers answer, intervals allow each its tolerance all the same: that
+    /// they were exact is not known.
+    Posterior calcPosterior() {
+        const Numbers assumed = problem_.numbers();
+        Posterior posterior = makeEvidence(problem_, state_.view, state_.scales, false).calcPosterior(state_.set);
+        if (assumed == Numbers::within_tolerances || state_.set.empty()) return posterior;
+        problem_.assume(Numbers::within_tolerances);
+        const TestView view = problem_.view(state_.point, state_.set);
+        posterior.covariance = makeEvidence(problem_, view, state_.scales, false).calcPosterior(state_.set).covariance;
+        problem_.assume(assumed);
+        return posterior;
+    }
+
     void tell(const std::string& text) const {
         if (progress_) progress_(text);
     }
@@ -84,6 +93,9 @@ private:
     /// @return false when nothing changes any more
     bool step(int round) {
         tell("round " + std::to_string(round + 1));
+        if (calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point))[indexOf(Block::bracket)] >=
+            kSatisfied)
+            problem_.seekMissingMode(state_.point, state_.set);
         state_.view = problem_.view(state_.point);
         const std::vector<double> misfits = calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point));
         state_.scales = settler_.scalesOf(misfits);
@@ -93,12 +105,13 @@ private:
         const std::size_t largest = std::min(kMostCauses, state_.set.size() + 1);
         const std::vector<RankedSet> candidates = evidence.search({state_.set}, kBeam, largest);
         Decision decision = record(evidence);
+        if (problem_.numbers() == Numbers::exact) {
+            const bool changed = settled_.takeBest(evidence, candidates, standing_, decision.action);
+            return conclude(decision, changed);
+        }
         if (!isHopeful(evidence, candidates)) {
             decision.action = "no cause takes half of what the equations leave";
-            for (const int h : state_.set) decision.causes.push_back(describe(at(h)));
-            decision.error = error_;
-            result_.decisions.push_back(decision);
-            return false;
+            return conclude(decision, false);
         }
         std::vector<Trial> trials = tryBest(evidence, candidates);
         const double present = trials.front().log_evidence;
@@ -116,10 +129,14 @@ private:
             }
             if (stands) ranked.push_back({trial.set, trial.log_evidence});
         }
-        result_.ranked = std::move(ranked);
+        standing_.ranked = std::move(ranked);
         decision.action = changed ? "causes changed" : "nothing more to add, take away or exchange";
+        return conclude(decision, changed);
+    }
+
+    bool conclude(Decision& decision, bool changed) {
         for (const int h : state_.set) decision.causes.push_back(describe(at(h)));
-        decision.error = error_;
+        decision.error = standing_.judged.error;
         result_.decisions.push_back(decision);
         return changed;
     }
@@ -156,8 +173,8 @@ private:
         next.point = problem_.pointAt(problem_.estimateOf(trial.point), next.set);
         next.view = problem_.view(next.point, next.set);
         settler_.settle(next, kMostRefining, true);
-        const double error = judge_(next.point, next.set);
-        if (!isWorthwhile(next, error)) {
+        const FreeError judged = judge_(next.point, next.set);
+        if (!isWorthwhile(next, judged.error)) {
             problem_.restore(before);
             return false;
         }
@@ -165,18 +182,18 @@ private:
             for (const int h : next.set)
                 if (!std::binary_search(state_.set.begin(), state_.set.end(), h)) needed_.push_back(h);
         state_ = std::move(next);
-        error_ = error;
+        standing_.judged = judged;
         return true;
     }
 
     bool isWorthwhile(const SetState& next, double error) const {
         if (!isPossible(problem_, next.set, problem_.estimateOf(next.point))) return false;
-        double most = (1 + kWorth) * error_;
+        double most = (1 + kWorth) * standing_.judged.error;
         const bool needed = takesHalf(next);
         for (const int h : next.set) {
             if (std::binary_search(state_.set.begin(), state_.set.end(), h)) continue;
             if (!isBeyondTolerance(problem_, at(h), next.point)) return false;
-            if (!needed && !isSensorFault(at(h))) most = (1 - kWorth) * error_;
+            if (!needed && !isSensorFault(at(h))) most = (1 - kWorth) * standing_.judged.error;
         }
         return error <= most;
     }
@@ -208,23 +225,23 @@ private:
         SetState next = state_;
         next.set.insert(std::lower_bound(next.set.begin(), next.set.end(), hypothesis), hypothesis);
         settler_.settle(next, kMostRefining, true);
-        const double error = judge_(next.point, next.set);
-        if (error > (1 + kWorth) * error_) return false;
+        const FreeError judged = judge_(next.point, next.set);
+        if (judged.error > (1 + kWorth) * standing_.judged.error) return false;
         const Evidence evidence = makeEvidence(problem_, next.view, next.scales, true);
         if (!isSensorFault(at(hypothesis)) &&
-            judge_(bringBack(problem_, next, at(hypothesis)), next.set) < (1 + kWorth) * error)
+            judge_(bringBack(problem_, next, at(hypothesis)), next.set).error < (1 + kWorth) * judged.error)
             return false;
         const Posterior posterior = evidence.calcPosterior(next.set);
         const double probability = calcBeyondProbability(problem_, at(hypothesis), next.point, posterior);
         if (probability < 0.5 || !isBorneOut(next, hypothesis, evidence)) return false;
         state_ = std::move(next);
-        error_ = error;
+        standing_.judged = judged;
         result_.beyond[hypothesis] = probability;
         Decision decision;
         decision.action = "beyond its tolerance: " + describe(at(hypothesis));
         for (const int h : state_.set) decision.causes.push_back(describe(at(h)));
         decision.misfit = calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point));
-        decision.error = error_;
+        decision.error = standing_.judged.error;
         result_.decisions.push_back(decision);
         return true;
     }
@@ -264,13 +281,15 @@ private:
             for (const int h : state_.set) {
                 if (isSensorFault(at(h)) || result_.beyond.count(h) > 0 ||
                     std::find(needed_.begin(), needed_.end(), h) != needed_.end() ||
-                    judge_(holdBack(problem_, state_, h, evidence), state_.set) >= (1 + kWorth) * error_)
+                    judge_(holdBack(problem_, state_, h, evidence), state_.set).error >=
+                        (1 + kWorth) * standing_.judged.error)
                     continue;
                 state_.set.erase(std::find(state_.set.begin(), state_.set.end(), h));
-                state_.point = problem_.pointAt(problem_.estimateOf(state_.point), state_.set);
+                problem_.adopt(state_.set);
+                state_.point = problem_.reduce(state_.point, state_.set);
                 state_.view = problem_.view(state_.point, state_.set);
                 settler_.settle(state_, kMostRefining, true);
-                error_ = judge_(state_.point, state_.set);
+                standing_.judged = judge_(state_.point, state_.set);
                 changed = true;
                 break;
             }
@@ -355,8 +374,9 @@ private:
     const FreeJudge& judge_;
     const std::function<void(const std::string&)>& progress_;
     Settler settler_;
-    SetState state_;
-    double error_ = 0;         // of the prediction at the present state
+    SettledSearch settled_;
+    Standing standing_;
+    SetState& state_ = standing_.state;
     double excess_ = 0;        // of the equations at the present state, beyond the noise
     std::vector<int> needed_;  // causes without which the equations leave twice as much
     Selection result_;
@@ -380,12 +400,6 @@ double Selection::probabilityOf(int hypothesis) const {
         if (std::binary_search(entry.members.begin(), entry.members.end(), hypothesis)) with += weight;
     }
     return all > 0 ? with / all : 0;
-}
-
-std::string describe(const Hypothesis& hypothesis) {
-    std::string text = hypothesis.cause;
-    for (const auto& place : hypothesis.where) text += " " + place;
-    return text;
 }
 
 Selection selectCauses(TestProblem& problem, const FreeJudge& judge,

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "identify/updating/settling.hpp"
+#include "identify/updating/settled_search.hpp"
 #include "identify/verdict/diagnosis.hpp"
 
 namespace wems::identify::updating {
@@ -28,15 +28,9 @@ struct Selection {
     double probabilityOf(int hypothesis) const;
 };
 
-/// Error of a free simulation of the runs that judge, without the faults of sensors that the set names.
-using FreeJudge = std::function<double(const TestPoint&, const HypothesisSet&)>;
-
 /// @param progress may be empty
 Selection selectCauses(TestProblem& problem, const FreeJudge& judge,
                        const std::function<void(const std::string&)>& progress);
-
-/// `clearance 4.z.+ 4.z.-`
-std::string describe(const Hypothesis& hypothesis);
 
 /// Evidence of all runs, or of the identification runs alone, at a view.
 Evidence makeEvidence(const TestProblem& problem, const TestView& view, const BlockScales& scales,

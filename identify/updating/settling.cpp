@@ -104,7 +104,6 @@ BlockScales Settler::scalesOf(const std::vector<double>& misfits) const {
     return scales;
 }
 
-/// −2 log likelihood of blocks whose scale is not known but follows from their misfit: the integral of dχ² / scale.
 double Settler::calcCost(const Information& all, const std::vector<double>& misfits) const {
     double cost = 0;
     for (std::size_t k = 0; k < kBlocks; ++k) {

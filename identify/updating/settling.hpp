@@ -65,12 +65,14 @@ public:
     double calcExcess(const TestView& view, const TestPoint& point, const Eigen::VectorXd& estimate,
                       const BlockScales& scales, bool with_validation) const;
 
+    /// −2 log likelihood of blocks whose scale is not known but follows from their misfit: the integral of dχ² / scale.
+    double calcCost(const Information& all, const std::vector<double>& misfits) const;
+
     /// −2 log prior of an estimate under a set, but for a constant.
     double calcPriorSquare(const Eigen::VectorXd& estimate, const HypothesisSet& set) const;
 
 private:
     BlockScales settleScales(const Information& all, const HypothesisSet& set) const;
-    double calcCost(const Information& all, const std::vector<double>& misfits) const;
     bool improve(SetState& state, bool with_validation) const;
     bool advance(const TestView& view, const Information& all, const HypothesisSet& set, const BlockScales& scales,
                  double least, bool with_validation, TestPoint& point) const;

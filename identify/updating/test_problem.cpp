@@ -8,6 +8,7 @@
 
 #include "identify/motion/parallel.hpp"
 #include "identify/problem/open_loop_run.hpp"
+#include "identify/updating/missing_mode.hpp"
 #include "identify/verdict/free_error.hpp"
 #include "models/bryant.hpp"
 #include "models/common/error.hpp"
@@ -25,6 +26,30 @@ MountModel addDormantStops(MountModel model, double displacement) {
                 if (!has) law.stops.push_back({side, displacement, 0.0, 0.0});
             }
     return model;
+}
+
+/// A bracket gets a mode without a shape, so that one may be found that the modes file lacks.
+void addDormantMode(MountModel& model, double frequency) {
+    if (model.bracket.empty()) return;
+    BracketMode mode;
+    mode.frequency = frequency;
+    mode.damping_ratio = 0.01;
+    for (const ToleranceOf what :
+         {ToleranceOf::mode_frequency, ToleranceOf::mode_damping_ratio, ToleranceOf::mode_shape})
+        mode.tolerances.set(what, 0.0);
+    model.bracket.push_back(mode);
+}
+
+/// How far a number of a mode may lie from where it was found.
+double calcModeReach(const BracketMode& mode, const Unknown& row) {
+    if (row.kind == UnknownKind::mode) return row.second == 0 ? 0.2 * mode.frequency : 2 * mode.damping_ratio;
+    const Eigen::Vector3d parts[] = {mode.translation, mode.rotation, mode.load_translation, mode.base_participation};
+    const double own = parts[row.second / 3].cwiseAbs().maxCoeff();
+    return own > 0 ? own : row.reach;
+}
+
+bool isDormant(const BracketMode& mode) {
+    return mode.translation.isZero(0.0) && mode.rotation.isZero(0.0);
 }
 
 /// Largest relative displacement of each axis along a run.
@@ -49,8 +74,8 @@ void widen(AxisReach& reach, const RunMotion& motion, const MountModel& model, d
 }  // namespace
 
 TestProblem::TestProblem(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
-                         const MountModel& model)
-    : identification_count_(identification.size()) {
+                         const MountModel& model, Numbers numbers)
+    : identification_count_(identification.size()), numbers_(numbers) {
     std::vector<Recording> all = identification;
     all.insert(all.end(), validation.begin(), validation.end());
     layout_ = makeSensorLayout(all, model);
@@ -75,12 +100,15 @@ TestProblem::TestProblem(const std::vector<Recording>& identification, const std
     if (!(scales.displacement > 0) || !(scales.velocity > 0))
         throw InputError({runs_.front().recording.file, 0, {}}, "nothing moves across the mount");
     believed_ = addDormantStops(model, scales.displacement);
+    addDormantMode(believed_, scales.lowest);
     table_ = makeUnknownTable({believed_, SensorErrors(layout_)}, layout_, scales, loaded);
     catalogue_ = makeCatalogue(table_, layout_, believed_, scales, reach, swept);
+    pristine_ = remember();
 }
 
 Eigen::VectorXd TestProblem::deviations() const {
     Eigen::VectorXd result = Eigen::VectorXd::Zero(catalogue_.columns.size());
+    if (numbers_ == Numbers::exact) return result;
     for (std::size_t i = 0; i < table_.size(); ++i) result[i] = table_[i].deviation;
     return result;
 }
@@ -124,9 +152,50 @@ TestPoint TestProblem::pointAt(const Eigen::VectorXd& estimate, const Hypothesis
     return point;
 }
 
+TestPoint TestProblem::reduce(const TestPoint& point, const HypothesisSet& set) const {
+    const Eigen::VectorXd own = deviations();
+    std::vector<char> moved(own.size(), 0);
+    for (Eigen::Index i = 0; i < own.size(); ++i) moved[i] = own[i] > 0;
+    for (const int h : set) {
+        for (const Direction& direction : catalogue_.hypotheses[h].directions)
+            for (const auto& [column, weight] : direction) moved[column] = 1;
+    }
+    Eigen::VectorXd estimate = estimateOf(point);
+    for (Eigen::Index i = 0; i < estimate.size(); ++i)
+        if (!moved[i]) estimate[i] = 0;
+    return pointAt(estimate, set);
+}
+
+std::optional<TestPoint> TestProblem::goToProbes(const TestPoint& point, const HypothesisSet& set) const {
+    Eigen::VectorXd estimate = estimateOf(reduce(point, set));
+    bool found = false;
+    for (const int h : set) {
+        const Hypothesis& hypothesis = catalogue_.hypotheses[h];
+        if (!hypothesis.start.empty()) continue;  // a mechanism, which begins at nothing
+        for (const auto& [column, row] : hypothesis.moves) {
+            estimate[column] = catalogue_.columns.probes[static_cast<std::size_t>(column) - table_.size()].step;
+            found = true;
+        }
+    }
+    if (!found) return std::nullopt;
+    return pointAt(estimate, set);
+}
+
+TestProblem::Memento TestProblem::remember() const {
+    Memento now{catalogue_.hypotheses, {}};
+    for (const Unknown& row : table_) now.believed.push_back(row.believed);
+    return now;
+}
+
 TestProblem::Memento TestProblem::adopt(const HypothesisSet& set) {
-    Memento before{catalogue_.hypotheses, {}};
-    for (const Unknown& row : table_) before.believed.push_back(row.believed);
+    const Memento before = remember();
+    for (std::size_t h = 0; h < catalogue_.hypotheses.size(); ++h) {
+        if (std::binary_search(set.begin(), set.end(), static_cast<int>(h))) continue;
+        if (!isAdopted(static_cast<int>(h))) continue;
+        const Hypothesis& own = pristine_.hypotheses[h];
+        for (const auto& [row, value] : own.start) table_[row].believed = pristine_.believed[row];
+        catalogue_.hypotheses[h] = own;
+    }
     for (const int h : set) {
         Hypothesis& hypothesis = catalogue_.hypotheses[h];
         if (hypothesis.tangent.empty()) continue;
@@ -139,9 +208,47 @@ TestProblem::Memento TestProblem::adopt(const HypothesisSet& set) {
     return before;
 }
 
+bool TestProblem::isAdopted(int hypothesis) const {
+    return !pristine_.hypotheses[hypothesis].tangent.empty() && catalogue_.hypotheses[hypothesis].tangent.empty();
+}
+
+void TestProblem::release(TestPoint& point, int hypothesis) const {
+    if (!isAdopted(hypothesis)) return;
+    for (const auto& [row, value] : pristine_.hypotheses[hypothesis].start) {
+        point.values[row] = pristine_.believed[row];
+        table_[row].set(point.state, point.values[row]);
+    }
+}
+
 void TestProblem::restore(const Memento& memento) {
     catalogue_.hypotheses = memento.hypotheses;
     for (std::size_t i = 0; i < table_.size(); ++i) table_[i].believed = memento.believed[i];
+}
+
+void TestProblem::seekMissingMode(const TestPoint& point, const HypothesisSet& set) {
+    if (catalogue_.missing_mode < 0 || std::binary_search(set.begin(), set.end(), catalogue_.missing_mode)) return;
+    std::vector<TestRun> corrected(runs_.size());
+    runParallel(runs_.size(), [&](std::size_t r) { corrected[r] = correctRun(runs_[r], point); });
+    const auto found = findMissingMode(corrected, layout_, point.state);
+    if (!found) return;
+    TestState with = point.state;
+    with.model.bracket.back() = *found;
+    const int dormant = static_cast<int>(with.model.bracket.size()) - 1;
+    Hypothesis& hypothesis = catalogue_.hypotheses[catalogue_.missing_mode];
+    hypothesis.start.clear();
+    hypothesis.tangent.clear();
+    hypothesis.reported.clear();
+    for (std::size_t i = 0; i < table_.size(); ++i) {
+        Unknown& row = table_[i];
+        if (row.first != dormant || (row.kind != UnknownKind::mode && row.kind != UnknownKind::shape)) continue;
+        const int index = static_cast<int>(i);
+        hypothesis.start.emplace_back(index, row.get(with));
+        row.reach = calcModeReach(*found, row);
+        hypothesis.tangent.push_back({{index, row.reach}});
+        if (row.kind == UnknownKind::mode || row.second < 6) hypothesis.reported.push_back(index);
+    }
+    catalogue_.columns.probes[catalogue_.missing_mode_probe].preset = hypothesis.start;
+    pristine_.hypotheses[catalogue_.missing_mode] = hypothesis;
 }
 
 Eigen::VectorXd TestProblem::estimateOf(const TestPoint& point) const {
@@ -190,13 +297,17 @@ TestMisfit TestProblem::misfit(const TestPoint& point) const {
 }
 
 TestView TestProblem::view(const TestPoint& point) const {
-    return view(point, catalogue_.columns);
+    if (numbers_ == Numbers::within_tolerances) return view(point, catalogue_.columns);
+    HypothesisSet all;
+    for (std::size_t h = 0; h < catalogue_.hypotheses.size(); ++h) all.push_back(static_cast<int>(h));
+    return view(point, all);
 }
 
 TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set) const {
     ColumnSet columns = catalogue_.columns;
     columns.wanted.assign(columns.size(), 0);
-    for (std::size_t i = 0; i < table_.size(); ++i) columns.wanted[i] = table_[i].deviation > 0;
+    if (numbers_ == Numbers::within_tolerances)
+        for (std::size_t i = 0; i < table_.size(); ++i) columns.wanted[i] = table_[i].deviation > 0;
     for (const int h : set)
         for (const Direction& direction : catalogue_.hypotheses[h].directions)
             for (const auto& [column, weight] : direction) columns.wanted[column] = 1;
@@ -228,6 +339,7 @@ MountModel TestProblem::cleanModel(const TestPoint& point) const {
             if (law.friction && law.friction->force == 0) law.friction.reset();
             if (law.hysteresis && law.hysteresis->force == 0) law.hysteresis.reset();
         }
+    model.bracket.erase(std::remove_if(model.bracket.begin(), model.bracket.end(), isDormant), model.bracket.end());
     return model;
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,12 +31,17 @@ struct TestMisfit {
     Information identification, validation;
 };
 
+/// What is believed of the numbers that no hypothesis of a set moves.
+enum class Numbers { exact, within_tolerances };
+
 class TestProblem {
 public:
     /// @throws InputError if the motion of a run cannot be recovered
     TestProblem(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
-                const MountModel& model);
+                const MountModel& model, Numbers numbers = Numbers::within_tolerances);
 
+    Numbers numbers() const { return numbers_; }
+    void assume(Numbers numbers) { numbers_ = numbers; }
     const UnknownTable& table() const { return table_; }
     const std::vector<Hypothesis>& hypotheses() const { return catalogue_.hypotheses; }
     const SensorLayout& layout() const { return layout_; }
@@ -51,6 +57,8 @@ public:
     TestPoint pointAt(const Eigen::VectorXd& estimate, const HypothesisSet& set) const;
     /// The inverse of pointAt within the limits: values minus believed ones.
     Eigen::VectorXd estimateOf(const TestPoint& point) const;
+    /// A point under a set: what neither a tolerance nor the set moves is as believed.
+    TestPoint reduce(const TestPoint& point, const HypothesisSet& set) const;
     /// m², of the displacement channels of the mobile and the fixed part of a run, over all frequencies.
     std::array<double, 2> calcDisplacementNoise(std::size_t run) const;
     /// The motion of a run, which may drive it, and its relative displacements (calcMeasuredRelative) as exact sensors
@@ -60,14 +68,23 @@ public:
         Eigen::MatrixXd relative;
     };
     ExactRun calcExactRun(std::size_t run, const TestPoint& point) const;
+    /// A point under a set with its members as far off as their probes were, if any has such.
+    std::optional<TestPoint> goToProbes(const TestPoint& point, const HypothesisSet& set) const;
     /// What the hypotheses and the table were before an adoption.
     struct Memento {
         std::vector<Hypothesis> hypotheses;
         std::vector<double> believed;
     };
     /// What a taken hypothesis sought far from the state becomes part of the table; its directions are then tangents.
+    /// What another had so made part of it is so no more.
     Memento adopt(const HypothesisSet& set);
     void restore(const Memento& memento);
+    Memento remember() const;
+    /// What the adoption of a hypothesis had set is, at a point, as it was before.
+    void release(TestPoint& point, int hypothesis) const;
+    /// Seeks a mode that the bracket lacks in what its equation leaves at a point; the hypothesis of one then starts
+    /// from there. Nothing where a set holds that hypothesis already.
+    void seekMissingMode(const TestPoint& point, const HypothesisSet& set);
 
     /// With the columns of all hypotheses.
     TestView view(const TestPoint& point) const;
@@ -81,6 +98,7 @@ public:
 
 private:
     TestView view(const TestPoint& point, const ColumnSet& columns) const;
+    bool isAdopted(int hypothesis) const;
     /// A run as exact sensors would have recorded it.
     TestRun correctRun(const TestRun& run, const TestPoint& point) const;
 
@@ -88,8 +106,10 @@ private:
     SensorLayout layout_;
     std::vector<TestRun> runs_;
     std::size_t identification_count_ = 0;
+    Numbers numbers_ = Numbers::within_tolerances;
     UnknownTable table_;
     Catalogue catalogue_;
+    Memento pristine_;  // before any adoption
 };
 
 }  // namespace wems::identify::updating

@@ -16,11 +16,10 @@ namespace {
 
 constexpr double kQuantile = 1.959963984540054;  // of 95 % of a normal variable
 constexpr double kLargestDecibels = 120.0;
-constexpr double kRivalProbability = 0.02;           // a set at least this likely makes its causes rivals
-constexpr unsigned kSeed = 20260101;                 // of the draws of the band: the same answer again
-constexpr double kFloors = 1.5, kLeastError = 0.03;  // contract, verdict: below these nothing is unexplained
-constexpr double kTold = 0.25;                       // of the prior variance, which the recordings leave of a number
-constexpr double kNoStop = 0.1;                      // of the believed stiffness: a stop that soft is none
+constexpr double kRivalProbability = 0.02;  // a set at least this likely makes its causes rivals
+constexpr unsigned kSeed = 20260101;        // of the draws of the band: the same answer again
+constexpr double kTold = 0.25;              // of the prior variance, which the recordings leave of a number
+constexpr double kNoStop = 0.1;             // of the believed stiffness: a stop that soft is none
 
 /// `body.center_of_gravity.z` → `z`, `body.mass` → `mass`, `load.gain` → `gain`; `mobile.1.a.rx` → `mobile.1.rx`.
 std::string reportName(const std::string& name) {
@@ -43,10 +42,10 @@ double toDecibel(double ratio) {
 class Diagnostician {
 public:
     Diagnostician(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
-                  const MountModel& model, const DiagnosisOptions& options)
+                  const MountModel& model, Numbers numbers, const DiagnosisOptions& options)
         : model_(model),
           options_(options),
-          problem_(identification, validation, model),
+          problem_(identification, validation, model, numbers),
           own_(problem_, 0, identification.size()),
           judging_(problem_, validation.empty() ? 0 : identification.size(),
                    validation.empty() ? identification.size() : validation.size()) {
@@ -59,7 +58,7 @@ public:
 
     Diagnosis run() {
         const FreeJudge predict = [&](const TestPoint& point, const HypothesisSet& set) {
-            return judging_.calcError(point, set).error;
+            return judging_.calcError(point, set);
         };
         selection_ = selectCauses(problem_, predict, options_.progress);
         tell("free simulations");
@@ -69,6 +68,7 @@ public:
         addCauses();
         addAdjustments();
         judge();
+        addSpectrum();
         result_.decisions = selection_.decisions;
         result_.misfit_before = selection_.decisions.front().misfit.front();
         result_.misfit_after = selection_.decisions.back().misfit.front();
@@ -115,7 +115,7 @@ private:
         const auto& misfit = selection_.decisions.back().misfit;
         const bool satisfied = std::all_of(misfit.begin(), misfit.end(), [](double own) { return own < kSatisfied; });
         return (!(error <= result_.prediction_band) || !satisfied) &&
-               error > kFloors * result_.noise_floor.validation && error > kLeastError;
+               isWorthExplaining({error, result_.noise_floor.validation});
     }
 
     CauseParameter makeParameter(int index, const Posterior& posterior, double value) const {
@@ -319,6 +319,13 @@ private:
         }
     }
 
+    /// Of the mount's equation along the runs that judge, as believed and as answered.
+    void addSpectrum() {
+        const std::size_t first = result_.validated ? problem_.identificationCount() : 0;
+        result_.spectrum = calcMisfitSpectrum(problem_.view(problem_.believedPoint(), HypothesisSet{}),
+                                              problem_.view(selection_.state.point, HypothesisSet{}), first);
+    }
+
     const MountModel& model_;
     const DiagnosisOptions& options_;
     TestProblem problem_;
@@ -331,8 +338,8 @@ private:
 }  // namespace
 
 Diagnosis updateModel(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
-                      const MountModel& model, const DiagnosisOptions& options) {
-    return Diagnostician(identification, validation, model, options).run();
+                      const MountModel& model, Numbers numbers, const DiagnosisOptions& options) {
+    return Diagnostician(identification, validation, model, numbers, options).run();
 }
 
 }  // namespace wems::identify::updating

@@ -10,6 +10,7 @@
 
 #include <vector>
 
+#include "identify/updating/test_problem.hpp"
 #include "identify/verdict/diagnosis.hpp"
 
 namespace wems::identify::updating {
@@ -17,6 +18,6 @@ namespace wems::identify::updating {
 /// @param validation runs that judge; empty: the identification runs do
 /// @throws InputError if the motion cannot be recovered or a simulation is not possible
 Diagnosis updateModel(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
-                      const MountModel& model, const DiagnosisOptions& options);
+                      const MountModel& model, Numbers numbers, const DiagnosisOptions& options);
 
 }  // namespace wems::identify::updating

@@ -63,24 +63,8 @@ struct Decision {
     std::vector<RankedCause> candidates;  ///< the best few
 };
 
-/// A candidate fitted jointly with all that had been accepted. Misfits are per value: 1 for a perfect model.
-struct TriedCause {
-    std::string cause;           ///< with its place, `friction 1.x`
-    std::vector<double> values;  ///< of what was fitted, SI
-    double identification = 0, validation = 0;
-};
-
-/// What a round of the search among exact numbers tried and did.
-struct SearchRound {
-    double identification_before = 0, validation_before = 0;
-    std::vector<TriedCause> trials;
-    int taken = -1;  ///< of `trials`; −1: none
-    std::string reason;
-    std::string place;       ///< the axis at which a force of any history explains most of the mount's residual …
-    double place_share = 0;  ///< … and how much of it (0 … 1)
-};
-
-/// Misfit of the validation runs' equations per value, in bands of 1 Hz; 1 for a perfect model.
+/// Misfit of the mount's equation along the runs that judge, per value, in bands of an eighth of an octave; 1 for a
+/// perfect model.
 struct MisfitSpectrum {
     std::vector<double> frequency, before, after;  ///< Hz, -, -
 };
@@ -100,9 +84,8 @@ struct Diagnosis {
     double misfit_before = 0;  ///< open-loop misfit of the validation runs per value; 1 for a perfect model
     double misfit_after = 0;
     MisfitSpectrum spectrum;
-    std::vector<SearchRound> rounds;  ///< of the search among exact numbers
-    std::vector<Decision> decisions;  ///< and of that with tolerances
-    std::vector<std::string> notes;   ///< how the motion was derived, what was found odd
+    std::vector<Decision> decisions;
+    std::vector<std::string> notes;  ///< how the motion was derived, what was found odd
 };
 
 struct DiagnosisOptions {

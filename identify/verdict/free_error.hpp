@@ -28,6 +28,13 @@ struct FreeError {
     bool diverged = false;   ///< a simulation grew beyond all bounds; error is then infinite
 };
 
+/// Contract, verdict: an error asks for a cause if it lies above both.
+inline constexpr double kFloors = 1.5;       ///< noise floors
+inline constexpr double kLeastError = 0.03;  ///< of the measured motion
+inline bool isWorthExplaining(const FreeError& own) {
+    return own.error > kFloors * own.noise_floor && own.error > kLeastError;
+}
+
 /// One run with what it is compared with.
 struct FreeRun {
     const RunMotion* motion;

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <random>
 
-#include "identify/exact/missing_mode.hpp"
+#include "identify/catalogue/modal_scan.hpp"
 #include "models/common/units.hpp"
 #include "tests/seed.hpp"
 

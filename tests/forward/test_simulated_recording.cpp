@@ -2,11 +2,8 @@
 #include <cmath>
 #include <random>
 
-#include "identify/exact/expectation.hpp"
-#include "identify/exact/open_loop_problem.hpp"
-#include "identify/exact/trial_fits.hpp"
+#include "identify/forward/simulated_recording.hpp"
 #include "identify/motion/motion.hpp"
-#include "models/parameter_access.hpp"
 #include "tests/diagnose/hidden_device.hpp"
 #include "tests/seed.hpp"
 
@@ -14,8 +11,6 @@ using namespace wems;
 using namespace wems::identify;
 
 namespace {
-
-constexpr double kScatter = 1e-3;
 
 identify::testing::RunPlan makePlan(double duration, double level, double noise) {
     identify::testing::RunPlan plan;
@@ -61,33 +56,4 @@ TEST_CASE("A simulated recording is the model's motion, with the recording's noi
     CHECK(mean_error < 1e-3 * largest);
     // Two estimates of the noise, each from tens of thousands of values.
     CHECK(std::sqrt(square / static_cast<double>(count)) == Approx(kNoise).epsilon(0.03));
-}
-
-/// At 500 Hz a contact lasts a few samples, so that δ' is smoothed: χ comes out some 10 % low. How much must be known
-/// without knowing the truth.
-TEST_CASE("The bias of a stop's dissipation is found from the recording alone", "[diagnose]") {
-    const auto seed = test::drawSeed();
-    CAPTURE(seed);
-    std::mt19937_64 random(seed);
-    constexpr int kTrials = 4;
-    double before = 0, after = 0;
-    for (int trial = 0; trial < kTrials; ++trial) {
-        auto truth = identify::testing::makeRandomDevice(random);
-        const double dissipation = std::uniform_real_distribution<double>(1.5, 2.5)(random);
-        std::vector<std::string> names;
-        for (const auto& connection : truth.connections) names.push_back(connection.name + ".z.dissipation");
-        const std::vector<Knob> knobs{makeSharedKnob(names)};
-        knobs[0].set(truth, dissipation);
-        auto plan = makePlan(8, 2, 1e-6);
-        plan.rate = 500;
-        const auto motion = estimateMotion(recordRun(truth, plan, random), truth);
-        const OpenLoopProblem problem({makeOpenLoopRun(motion, truth, {5, 50}, {})}, truth, kScatter);
-        const auto fit = fitParameters(problem, truth, knobs);
-        const auto bias = calcFitBias({motion}, truth, fit.model, knobs);
-        const double error = fit.values[0] / dissipation - 1;
-        before += std::pow(error, 2) / kTrials;
-        after += std::pow(error - bias[0] / dissipation, 2) / kTrials;
-    }
-    CAPTURE(std::sqrt(before), std::sqrt(after));
-    CHECK(after < 0.5 * before);
 }

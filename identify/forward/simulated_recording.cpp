@@ -1,13 +1,10 @@
-#include "identify/exact/expectation.hpp"
+#include "identify/forward/simulated_recording.hpp"
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <string>
 #include <utility>
 
-#include "identify/exact/pass.hpp"
-#include "identify/exact/trial_fits.hpp"
 #include "identify/forward/forward_model.hpp"
 #include "models/common/format_number.hpp"
 
@@ -72,54 +69,6 @@ Recording simulateRecording(const RunMotion& run, const MountModel& model, const
     writer.addDrive("load.f", run.load);
     writer.addDrive("base.a", run.base);
     return recording;
-}
-
-namespace {
-
-constexpr int kSlowPasses = 3;  // where the slow motion follows the model
-
-Eigen::VectorXd fitAgain(const std::vector<Recording>& recordings, const MountModel& base, const MountModel& model,
-                         const std::vector<Knob>& knobs) {
-    const RunGroup group(recordings, base);
-    OpenLoopProblem problem = group.makeProblem(model);
-    ParameterFit fit = fitParameters(problem, model, knobs);
-    for (int pass = 1; pass < kSlowPasses && problem.hasSlowBalance(); ++pass) {
-        problem.rewhiten(fit.model);
-        fit = fitParameters(problem, fit.model, knobs);
-    }
-    return Eigen::Map<const Eigen::VectorXd>(fit.values.data(), fit.values.size());
-}
-
-}  // namespace
-
-Eigen::VectorXd calcFitBias(const std::vector<RunMotion>& runs, const MountModel& base, const MountModel& model,
-                            const std::vector<Knob>& knobs) {
-    const Eigen::Index count = knobs.size();
-    Eigen::VectorXd given(count), mean = Eigen::VectorXd::Zero(count);
-    for (Eigen::Index i = 0; i < count; ++i) given[i] = knobs[i].get(model);
-    try {
-        for (const double sign : {1.0, -1.0}) {
-            std::vector<Recording> recordings;
-            for (const auto& run : runs) recordings.push_back(simulateRecording(run, model, {sign, 0}));
-            mean += 0.5 * fitAgain(recordings, base, model, knobs);
-        }
-    } catch (const SimulationDiverged&) {
-        return Eigen::VectorXd::Zero(count);
-    }
-    return mean - given;
-}
-
-Expectation calcExpectation(const std::vector<RunMotion>& runs, const MountModel& base, const MountModel& model) {
-    constexpr double kInfinite = std::numeric_limits<double>::infinity();
-    try {
-        std::vector<Recording> recordings;
-        for (const auto& run : runs) recordings.push_back(simulateRecording(run, model, {1, kGainScatter}));
-        const RunGroup group(recordings, base);
-        const OpenLoopProblem problem = group.makeProblem(model);
-        return {calcFreeError(group.free_runs, model).error, problem.calcMisfit(model)};
-    } catch (const SimulationDiverged&) {
-        return {kInfinite, kInfinite};
-    }
 }
 
 }  // namespace wems::identify

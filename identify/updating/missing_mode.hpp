@@ -1,0 +1,20 @@
+/// @file
+/// A mode that the bracket has and the modes file lacks, sought in what the bracket's equation leaves.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "identify/problem/linearised_run.hpp"
+
+namespace wems::identify {
+
+/// The mode that takes most away; nothing where no run has a bracket's equation, or no mode takes anything away.
+///
+/// Where the load point of all the model's modes moves rigidly with the interface, that of the new one does; otherwise
+/// its participation in each direction of the load is sought too, as is that of each direction in which the base was
+/// driven. Directions in which nothing acted are not determined.
+std::optional<BracketMode> findMissingMode(const std::vector<TestRun>& runs, const SensorLayout& layout,
+                                           const TestState& state);
+
+}  // namespace wems::identify

@@ -1,0 +1,139 @@
+#include "identify/updating/settled_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "identify/updating/naming.hpp"
+
+namespace wems::identify::updating {
+namespace {
+
+constexpr std::size_t kSettledSets = 8;  // sets of a round that are settled
+constexpr int kSettlingSteps = 16;       // of Gauss and Newton
+
+}  // namespace
+
+SettledSearch::SettledSearch(TestProblem& problem, const Settler& settler, const FreeJudge& judge)
+    : problem_(problem), settler_(settler), judge_(judge) {}
+
+bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
+                             std::string& action) {
+    const Settled present = assess(standing.state);
+    Settled best = present;
+    std::vector<RankedSet> ranked{{best.state.set, best.log_evidence}};
+    std::vector<std::string> known{signatureOf(problem_, best.state.set)};
+    const TestProblem::Memento before = problem_.remember();
+    for (const RankedSet& entry : candidates) {
+        if (known.size() > kSettledSets) break;
+        const std::string signature = signatureOf(problem_, entry.members);
+        if (std::find(known.begin(), known.end(), signature) != known.end() || !mayBeTried(entry.members, standing))
+            continue;
+        known.push_back(signature);
+        Settled own = settle(standing, entry.members, evidence.solve(entry.members).mean);
+        const bool possible = isPossibleAnswer(own.state);
+        problem_.restore(before);
+        if (!possible) continue;
+        ranked.push_back({own.state.set, own.log_evidence});
+        if (own.log_evidence > best.log_evidence) best = std::move(own);
+    }
+    std::sort(ranked.begin(), ranked.end(),
+              [](const RankedSet& a, const RankedSet& b) { return a.log_evidence > b.log_evidence; });
+    const bool better = best.state.set != present.state.set, carries = better && carriesItsCauses(best, present);
+    if (ahead_ && !carries) {
+        finish(standing);
+        action = "the last cause is taken back: the equations leave no half of what they left";
+        return false;
+    }
+    if (!better) {
+        standing.ranked = std::move(ranked);
+        action = "nothing more to add, take away or exchange";
+        return false;
+    }
+    if (carries)
+        ahead_.reset();
+    else
+        ahead_ = Anchor{standing, present.misfits, before};
+    problem_.adopt(best.state.set);
+    standing.judged = judge_(best.state.point, best.state.set);
+    standing.state = std::move(best.state);
+    standing.ranked = std::move(ranked);
+    action = "causes changed";
+    return true;
+}
+
+void SettledSearch::finish(Standing& standing) {
+    if (!ahead_) return;
+    problem_.restore(ahead_->memento);
+    standing = std::move(ahead_->standing);
+    ahead_.reset();
+}
+
+/// Adopts a set and settles it: from where the quadratic leads, or from the present point, if that leaves less; and
+/// from as far as a probe was. A stop that is not reached has no slope, so that only the latter can find it nearer.
+SettledSearch::Settled SettledSearch::settle(const Standing& standing, const HypothesisSet& set,
+                                             const Eigen::VectorXd& target) {
+    const TestPoint led = problem_.pointAt(target, set), present = problem_.reduce(standing.state.point, set);
+    std::vector<TestPoint> starts{calcCostAt(led) < calcCostAt(present) ? led : present};
+    if (const auto far = problem_.goToProbes(standing.state.point, set)) starts.push_back(*far);
+    problem_.adopt(set);
+    std::optional<Settled> best;
+    for (const TestPoint& start : starts) {
+        SetState state;
+        state.set = set;
+        state.point = problem_.reduce(start, set);
+        state.view = problem_.view(state.point, set);
+        settler_.settle(state, kSettlingSteps, true);
+        Settled own = assess(std::move(state));
+        if (!best || own.log_evidence > best->log_evidence) best = std::move(own);
+    }
+    return std::move(*best);
+}
+
+double SettledSearch::calcCostAt(const TestPoint& point) const {
+    const TestMisfit misfit = problem_.misfit(point);
+    Information all = misfit.identification;
+    add(all, misfit.validation);
+    std::vector<double> misfits;
+    for (const BlockInformation& block : all) misfits.push_back(block.empty() ? 0 : block.chi_squared / block.count);
+    return settler_.calcCost(all, misfits);
+}
+
+/// Evidence with a discrepancy whose size is not known: log likelihood, prior and Occam factor at the settled point.
+SettledSearch::Settled SettledSearch::assess(SetState state) const {
+    const Information all = sumOf(state.view, true);
+    const Eigen::VectorXd estimate = problem_.estimateOf(state.point);
+    Settled own{std::move(state), calcMisfits(all, estimate), 0};
+    own.log_evidence = SetEvidence(problem_, all, own.state.scales, own.state.set).solve().occam -
+                       0.5 * (settler_.calcCost(all, own.misfits) + settler_.calcPriorSquare(estimate, own.state.set));
+    return own;
+}
+
+bool SettledSearch::isPossibleAnswer(const SetState& state) const {
+    return isPossible(problem_, state.set, problem_.estimateOf(state.point)) &&
+           std::all_of(state.set.begin(), state.set.end(),
+                       [&](int h) { return isBeyondTolerance(problem_, problem_.hypotheses()[h], state.point); });
+}
+
+/// What the simulation does well enough asks for no further mechanism (contract: `nothing_missing` when no cause is
+/// needed), only for faults of sensors, which simulations need not show.
+bool SettledSearch::mayBeTried(const HypothesisSet& set, const Standing& standing) const {
+    return isWorthExplaining(standing.judged) || std::all_of(set.begin(), set.end(), [&](int h) {
+               return isSensorFault(problem_.hypotheses()[h]) ||
+                      std::binary_search(standing.state.set.begin(), standing.state.set.end(), h);
+           });
+}
+
+/// Whether some equations leave half of what they left for each cause more: what no cause explains asks each for a
+/// little, as does what contact folds into the samples.
+bool SettledSearch::carriesItsCauses(const Settled& next, const Settled& present) const {
+    const std::size_t causes = ahead_ ? ahead_->standing.state.set.size() : present.state.set.size();
+    if (next.state.set.size() <= causes) return true;
+    const double part = std::pow(0.5, static_cast<double>(next.state.set.size() - causes));
+    const std::vector<double>& before = ahead_ ? ahead_->misfits : present.misfits;
+    for (std::size_t k = 0; k < kBlocks; ++k)
+        if (before[k] > 1 && next.misfits[k] - 1 <= part * (before[k] - 1)) return true;
+    return false;
+}
+
+}  // namespace wems::identify::updating

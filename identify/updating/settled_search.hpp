@@ -1,0 +1,69 @@
+/// @file
+/// A round of the search where all numbers but those of the causes are exact: the best few sets are settled, and the
+/// evidence at their own estimates decides.
+///
+/// What is wrong then leaves far more than noise, so that no quadratic about the believed numbers tells what a set will
+/// leave in the end.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/updating/settling.hpp"
+#include "identify/verdict/free_error.hpp"
+
+namespace wems::identify::updating {
+
+/// Free simulation of the runs that judge, without the faults of sensors that the set names.
+using FreeJudge = std::function<FreeError(const TestPoint&, const HypothesisSet&)>;
+
+/// Where a search stands: the causes so far, what the simulation makes of them, and the sets that were weighed last.
+struct Standing {
+    SetState state;
+    FreeError judged;
+    std::vector<RankedSet> ranked;
+};
+
+class SettledSearch {
+public:
+    SettledSearch(TestProblem& problem, const Settler& settler, const FreeJudge& judge);
+
+    /// Moves to the best of the candidates, if one is better than the present set.
+    /// @param evidence of the view at the present state
+    /// @param[out] action what was done, one sentence
+    /// @return whether the set changed
+    bool takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
+                  std::string& action);
+    /// Takes back a cause that was still to show that it carries its part.
+    void finish(Standing& standing);
+
+private:
+    struct Settled {
+        SetState state;
+        std::vector<double> misfits;  ///< of each block
+        double log_evidence = 0;
+    };
+    /// Where the search goes on with one cause more that does not take its half alone: two of the same size do so
+    /// together.
+    struct Anchor {
+        Standing standing;
+        std::vector<double> misfits;
+        TestProblem::Memento memento;
+    };
+
+    Settled settle(const Standing& standing, const HypothesisSet& set, const Eigen::VectorXd& target);
+    double calcCostAt(const TestPoint& point) const;
+    Settled assess(SetState state) const;
+    bool isPossibleAnswer(const SetState& state) const;
+    bool mayBeTried(const HypothesisSet& set, const Standing& standing) const;
+    bool carriesItsCauses(const Settled& next, const Settled& present) const;
+
+    TestProblem& problem_;
+    const Settler& settler_;
+    const FreeJudge& judge_;
+    std::optional<Anchor> ahead_;
+};
+
+}  // namespace wems::identify::updating
