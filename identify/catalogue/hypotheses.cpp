@@ -240,8 +240,7 @@ private:
                                                 [](const Stop& stop) { return stop.stiffness > 0; });
                 if (real == 0) continue;
                 if (real > 1)
-                    if (const int index = row(placeOf(i, a) + ".offset"); index >= 0)
-                        addSingle("preload", placeOf(i, a), index);
+                    if (const int index = row(placeOf(i, a) + ".offset"); index >= 0) addPreload(i, a, index);
                 if (const int index = row(placeOf(i, a) + ".dissipation"); index >= 0)
                     addSingle("stop_dissipation", placeOf(i, a), index);
             }
@@ -272,6 +271,27 @@ private:
             hypothesis.moves = {{probe, stop.clearance}};
             hypothesis.tangent = {{{stop.clearance, at(stop.clearance).reach}}};
             hypothesis.reported = {stop.clearance};
+        }
+    }
+
+    /// Beside that from where the offset is: so far that a stop is reached which the believed one leaves alone.
+    void addPreload(int i, int a, int index) {
+        addSingle("preload", placeOf(i, a), index);
+        const Eigen::Index at_row = 3 * i + a;
+        for (const Stop& stop : model_.connections[i].axis[a].stops) {
+            if (!(stop.stiffness > 0)) continue;
+            const bool positive = stop.side == Side::positive;
+            const double reached = positive ? reach_.positive[at_row] : reach_.negative[at_row];
+            for (const double far : kFarClearances) {
+                if (far >= 1 || far * stop.clearance > reached) continue;
+                const double step = (positive ? 1 : -1) * (1 - far) * stop.clearance;
+                const int probe = addProbe({index, step, {}});
+                Hypothesis& hypothesis = add("preload", {placeOf(i, a)});
+                hypothesis.directions = {{{probe, 0.5 * stop.clearance}}};
+                hypothesis.moves = {{probe, index}};
+                hypothesis.tangent = {{{index, at(index).reach}}};
+                hypothesis.reported = {index};
+            }
         }
     }
 

@@ -58,6 +58,7 @@ public:
         result_.noise = makeEvidence(problem_, state_.view, {}, false).calcPosterior(state_.set);
         if (state_.set.empty()) result_.adjusted = state_.point;
         result_.ranked = std::move(standing_.ranked);
+        result_.settled = std::move(standing_.settled);
         result_.state = std::move(state_);
         return std::move(result_);
     }

@@ -13,11 +13,12 @@
 namespace wems::identify::updating {
 
 struct Selection {
-    SetState state;                 ///< with the causes, by the identification runs
-    TestPoint adjusted;             ///< with adjustments alone
-    std::vector<RankedSet> ranked;  ///< at the last linearisation, all runs together
-    Posterior posterior;            ///< of the identification runs
-    TestPoint fitted;               ///< of all runs together
+    SetState state;                              ///< with the causes, by the identification runs
+    TestPoint adjusted;                          ///< with adjustments alone
+    std::vector<RankedSet> ranked;               ///< at the last linearisation, all runs together
+    std::map<HypothesisSet, TestPoint> settled;  ///< of those among exact numbers, where each was settled
+    Posterior posterior;                         ///< of the identification runs
+    TestPoint fitted;                            ///< of all runs together
     /// Of all runs, and of the identification runs, as the noise alone would have it.
     Posterior fitted_noise, noise;
     std::vector<Decision> decisions;

@@ -35,8 +35,14 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
         problem_.restore(before);
         if (!possible) continue;
         ranked.push_back({own.state.set, own.log_evidence});
+        standing.settled.insert_or_assign(own.state.set, own.state.point);
         if (own.log_evidence > best.log_evidence) best = std::move(own);
     }
+    // What was settled in earlier rounds is still what it was: rivals of what was taken then.
+    for (const RankedSet& earlier : standing.ranked)
+        if (std::none_of(ranked.begin(), ranked.end(),
+                         [&](const RankedSet& own) { return own.members == earlier.members; }))
+            ranked.push_back(earlier);
     std::sort(ranked.begin(), ranked.end(),
               [](const RankedSet& a, const RankedSet& b) { return a.log_evidence > b.log_evidence; });
     const bool better = best.state.set != present.state.set, carries = better && carriesItsCauses(best, present);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,7 @@ struct Standing {
     SetState state;
     FreeError judged;
     std::vector<RankedSet> ranked;
+    std::map<HypothesisSet, TestPoint> settled;  ///< where sets were settled that are no more than ranked
 };
 
 class SettledSearch {

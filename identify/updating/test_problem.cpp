@@ -188,7 +188,7 @@ TestProblem::Memento TestProblem::remember() const {
 }
 
 TestProblem::Memento TestProblem::adopt(const HypothesisSet& set) {
-    const Memento before = remember();
+    Memento before = remember();
     for (std::size_t h = 0; h < catalogue_.hypotheses.size(); ++h) {
         if (std::binary_search(set.begin(), set.end(), static_cast<int>(h))) continue;
         if (!isAdopted(static_cast<int>(h))) continue;

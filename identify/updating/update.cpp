@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "identify/updating/free_runs.hpp"
 #include "identify/updating/naming.hpp"
@@ -209,7 +210,6 @@ private:
         HypothesisSet others = selection_.state.set;
         const int own = others[member];
         others.erase(others.begin() + static_cast<long>(member));
-        const Evidence evidence = makeEvidence(problem_, selection_.state.view, selection_.state.scales, false);
         double same = 0, all = 0;
         for (const RankedSet& entry : selection_.ranked)
             all += std::exp(entry.log_evidence - selection_.ranked.front().log_evidence);
@@ -227,14 +227,24 @@ private:
                 continue;
             }
             if (probability < kRivalProbability) continue;
-            const Posterior posterior = evidence.calcPosterior(entry.members);
-            const TestPoint point = problem_.pointAt(posterior.mean, entry.members);
+            const Posterior posterior = fullEvidence().calcPosterior(entry.members);
+            const auto settled = selection_.settled.find(entry.members);
+            const TestPoint point =
+                settled != selection_.settled.end() ? settled->second : problem_.pointAt(posterior.mean, entry.members);
             std::vector<std::string> where;
             for (const auto& place : rival.where) where.push_back(reportPlace(place));
             cause.rivals.push_back({rival.cause, where, makeParameters(rival, point, posterior),
                                     findSeparatingRun(cause.cause, rival.cause)});
         }
         return same;
+    }
+
+    /// With the columns of all hypotheses: the state's own view may have those of its set alone.
+    const Evidence& fullEvidence() const {
+        if (!full_evidence_)
+            full_evidence_.emplace(
+                makeEvidence(problem_, problem_.view(selection_.state.point), selection_.state.scales, false));
+        return *full_evidence_;
     }
 
     static bool sharesPlace(const Hypothesis& a, const Hypothesis& b) {
@@ -331,6 +341,7 @@ private:
     TestProblem problem_;
     FreeRuns own_, judging_;
     Selection selection_;
+    mutable std::optional<Evidence> full_evidence_;
     bool left_ = false;  // more than the band, the noise and what is worth naming
     Diagnosis result_;
 };
