@@ -9,20 +9,27 @@
 namespace wems::identify::updating {
 namespace {
 
-constexpr std::size_t kSettledSets = 8;  // sets of a round that are settled
+constexpr std::size_t kSettledSets = 8;  // sets of a round that are settled …
+constexpr int kFirstSteps = 4;           // … so far, all of them …
+constexpr std::size_t kFurtherSets = 3;  // … and so many to their end
 constexpr int kSettlingSteps = 16;       // of Gauss and Newton
+
+constexpr double kNoWorse = 1.05;  // of a prediction's error, as with tolerances (selection.cpp, kWorth)
+constexpr double kBeyond = 1.96;   // standard deviations of a misfit: less is noise, which any number may halve
 
 }  // namespace
 
 SettledSearch::SettledSearch(TestProblem& problem, const Settler& settler, const FreeJudge& judge)
-    : problem_(problem), settler_(settler), judge_(judge) {}
+    : problem_(problem), settler_(settler), judge_(judge) {
+    for (const Unknown& row : problem.table())  // the corner of AC coupling has a prior in any case
+        has_tolerances_ = has_tolerances_ || (row.kind != UnknownKind::corner && row.deviation > 0);
+}
 
 bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
                              std::string& action) {
     const Settled present = assess(standing.state);
-    Settled best = present;
-    std::vector<RankedSet> ranked{{best.state.set, best.log_evidence}};
-    std::vector<std::string> known{signatureOf(problem_, best.state.set)};
+    std::vector<std::string> known{signatureOf(problem_, present.state.set)};
+    std::vector<Settled> tried;
     const TestProblem::Memento before = problem_.remember();
     for (const RankedSet& entry : candidates) {
         if (known.size() > kSettledSets) break;
@@ -30,13 +37,22 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
         if (std::find(known.begin(), known.end(), signature) != known.end() || !mayBeTried(entry.members, standing))
             continue;
         known.push_back(signature);
-        Settled own = settle(standing, entry.members, evidence.solve(entry.members).mean);
-        const bool possible = isPossibleAnswer(own.state);
+        tried.push_back(settle(standing, entry.members, evidence.solve(entry.members).mean));
+        problem_.restore(before);
+    }
+    std::sort(tried.begin(), tried.end(),
+              [](const Settled& a, const Settled& b) { return a.log_evidence > b.log_evidence; });
+    Settled best = present;
+    std::vector<RankedSet> ranked{{best.state.set, best.log_evidence}};
+    for (std::size_t i = 0; i < tried.size(); ++i) {
+        problem_.adopt(tried[i].state.set);
+        if (i < kFurtherSets) tried[i] = settleFurther(tried[i]);
+        const bool possible = isPossibleAnswer(tried[i].state);
         problem_.restore(before);
         if (!possible) continue;
-        ranked.push_back({own.state.set, own.log_evidence});
-        standing.settled.insert_or_assign(own.state.set, own.state.point);
-        if (own.log_evidence > best.log_evidence) best = std::move(own);
+        ranked.push_back({tried[i].state.set, tried[i].log_evidence});
+        standing.settled.insert_or_assign(tried[i].state.set, tried[i].state.point);
+        if (tried[i].log_evidence > best.log_evidence) best = tried[i];
     }
     // What was settled in earlier rounds is still what it was: rivals of what was taken then.
     for (const RankedSet& earlier : standing.ranked)
@@ -51,17 +67,25 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
         action = "the last cause is taken back: the equations leave no half of what they left";
         return false;
     }
-    if (!better) {
+    // One more that is to show itself later is worth its time only where nothing else follows this search.
+    if (!better || (!carries && has_tolerances_)) {
         standing.ranked = std::move(ranked);
         action = "nothing more to add, take away or exchange";
+        return false;
+    }
+    problem_.adopt(best.state.set);
+    const FreeError judged = judge_(best.state.point, best.state.set);
+    if (!isWorthExplaining(standing.judged) && judged.error > kNoWorse * standing.judged.error) {
+        problem_.restore(before);
+        standing.ranked = {{present.state.set, present.log_evidence}};
+        action = "a fault of sensors is not taken: the prediction is worse with it";
         return false;
     }
     if (carries)
         ahead_.reset();
     else
         ahead_ = Anchor{standing, present.misfits, before};
-    problem_.adopt(best.state.set);
-    standing.judged = judge_(best.state.point, best.state.set);
+    standing.judged = judged;
     standing.state = std::move(best.state);
     standing.ranked = std::move(ranked);
     action = "causes changed";
@@ -89,11 +113,18 @@ SettledSearch::Settled SettledSearch::settle(const Standing& standing, const Hyp
         state.set = set;
         state.point = problem_.reduce(start, set);
         state.view = problem_.view(state.point, set);
-        settler_.settle(state, kSettlingSteps, true);
+        settler_.settle(state, kFirstSteps, true);
         Settled own = assess(std::move(state));
         if (!best || own.log_evidence > best->log_evidence) best = std::move(own);
     }
     return std::move(*best);
+}
+
+/// Of a set that is adopted.
+SettledSearch::Settled SettledSearch::settleFurther(const Settled& begun) {
+    SetState state = begun.state;
+    settler_.settle(state, kSettlingSteps - kFirstSteps, true);
+    return assess(std::move(state));
 }
 
 double SettledSearch::calcCostAt(const TestPoint& point) const {
@@ -109,7 +140,8 @@ double SettledSearch::calcCostAt(const TestPoint& point) const {
 SettledSearch::Settled SettledSearch::assess(SetState state) const {
     const Information all = sumOf(state.view, true);
     const Eigen::VectorXd estimate = problem_.estimateOf(state.point);
-    Settled own{std::move(state), calcMisfits(all, estimate), 0};
+    Settled own{std::move(state), calcMisfits(all, estimate), {}, 0};
+    for (const BlockInformation& block : all) own.scatter.push_back(block.empty() ? 0 : std::sqrt(2 / block.count));
     own.log_evidence = SetEvidence(problem_, all, own.state.scales, own.state.set).solve().occam -
                        0.5 * (settler_.calcCost(all, own.misfits) + settler_.calcPriorSquare(estimate, own.state.set));
     return own;
@@ -138,7 +170,7 @@ bool SettledSearch::carriesItsCauses(const Settled& next, const Settled& present
     const double part = std::pow(0.5, static_cast<double>(next.state.set.size() - causes));
     const std::vector<double>& before = ahead_ ? ahead_->misfits : present.misfits;
     for (std::size_t k = 0; k < kBlocks; ++k)
-        if (before[k] > 1 && next.misfits[k] - 1 <= part * (before[k] - 1)) return true;
+        if (before[k] - 1 > kBeyond * next.scatter[k] && next.misfits[k] - 1 <= part * (before[k] - 1)) return true;
     return false;
 }
 

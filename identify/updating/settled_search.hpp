@@ -45,6 +45,7 @@ private:
     struct Settled {
         SetState state;
         std::vector<double> misfits;  ///< of each block
+        std::vector<double> scatter;  ///< standard deviation of a perfect model's
         double log_evidence = 0;
     };
     /// Where the search goes on with one cause more that does not take its half alone: two of the same size do so
@@ -56,6 +57,7 @@ private:
     };
 
     Settled settle(const Standing& standing, const HypothesisSet& set, const Eigen::VectorXd& target);
+    Settled settleFurther(const Settled& begun);
     double calcCostAt(const TestPoint& point) const;
     Settled assess(SetState state) const;
     bool isPossibleAnswer(const SetState& state) const;
@@ -65,6 +67,7 @@ private:
     TestProblem& problem_;
     const Settler& settler_;
     const FreeJudge& judge_;
+    bool has_tolerances_ = false;
     std::optional<Anchor> ahead_;
 };
 
