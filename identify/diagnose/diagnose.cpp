@@ -31,6 +31,12 @@ std::optional<Diagnosis> diagnoseWithTolerances(const std::vector<Recording>& id
     }
 }
 
+/// What every sensor has a little of, AC coupling above all, passes for faults of some where sensors are exact.
+bool accusesSensors(const Diagnosis& answer) {
+    return std::any_of(answer.causes.begin(), answer.causes.end(),
+                       [](const Cause& cause) { return cause.cause.rfind("sensor_", 0) == 0; });
+}
+
 /// Whether all equations leave noise alone, whatever a sensitive prediction makes of what is not known.
 bool isSatisfied(const Diagnosis& adjusted) {
     const std::vector<double>& misfit = adjusted.decisions.back().misfit;
@@ -58,7 +64,8 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
     // The simplest world first: exact numbers and a cause or two. Where that leaves something, nothing is exact.
     Diagnosis exact = checkVerdict(
         updating::updateModel(identification, validation, model, updating::Numbers::exact, options), model);
-    if (exact.verdict != Diagnosis::Verdict::unexplained) return exact;
+    if (exact.verdict != Diagnosis::Verdict::unexplained && (isExactlyKnown(model) || !accusesSensors(exact)))
+        return exact;
     auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
     if (adjusted) adjusted = checkVerdict(std::move(*adjusted), model);
     // Of two answers that leave something, the one that satisfies the equations, else the one that predicts better.
