@@ -64,8 +64,9 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
     // The simplest world first: exact numbers and a cause or two. Where that leaves something, nothing is exact.
     Diagnosis exact = checkVerdict(
         updating::updateModel(identification, validation, model, updating::Numbers::exact, options), model);
-    if (exact.verdict != Diagnosis::Verdict::unexplained && (isExactlyKnown(model) || !accusesSensors(exact)))
-        return exact;
+    // What it accuses must satisfy the equations and be no sensor: small errors everywhere find something to accuse.
+    const bool answers = exact.causes.empty() || (isSatisfied(exact) && !accusesSensors(exact));
+    if (exact.verdict != Diagnosis::Verdict::unexplained && (answers || isExactlyKnown(model))) return exact;
     auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
     if (adjusted) adjusted = checkVerdict(std::move(*adjusted), model);
     // Of two answers that leave something, the one that satisfies the equations, else the one that predicts better.
