@@ -67,6 +67,25 @@ double toleranceOf(const MountModel& model, ToleranceOf what, const Tolerances& 
     return model.tolerances.find(what).value_or(keyOf(what).standard);
 }
 
+bool isExactlyKnown(const MountModel& model) {
+    const auto statesAny = [](const Tolerances& item) {
+        for (std::size_t i = 0; i < kToleranceKeys.size(); ++i)
+            if (item.find(static_cast<ToleranceOf>(i)).value_or(0) > 0) return true;
+        return false;
+    };
+    for (std::size_t i = 0; i < kToleranceKeys.size(); ++i)
+        if (toleranceOf(model, static_cast<ToleranceOf>(i)) > 0) return false;
+    if (statesAny(model.body.tolerances)) return false;
+    for (const Connection& connection : model.connections)
+        if (statesAny(connection.tolerances) ||
+            std::any_of(connection.axis_tolerances.begin(), connection.axis_tolerances.end(), statesAny))
+            return false;
+    return std::none_of(model.bracket.begin(), model.bracket.end(),
+                        [&](const BracketMode& mode) { return statesAny(mode.tolerances); }) &&
+           std::none_of(model.sensors.begin(), model.sensors.end(),
+                        [&](const SensorFault& sensor) { return statesAny(sensor.tolerances); });
+}
+
 Tolerances sensorTolerances(const MountModel& model, const std::string& channel) {
     Tolerances result;
     std::array<std::size_t, kToleranceKeys.size()> length{};

@@ -13,6 +13,10 @@ namespace wems {
 /// body, a connection (position), one of its axes (`axis_tolerances`), a bracket mode, what sensorTolerances() returns.
 double toleranceOf(const MountModel& model, ToleranceOf what, const Tolerances& item = {});
 
+/// Whether a model states that all of its numbers, and those of its sensors, are exactly known: every tolerance 0,
+/// those of single items too.
+bool isExactlyKnown(const MountModel& model);
+
 /// What the [[sensor]] tables give for a channel (`mobile.1.az`) or a group of them (`mobile.1`); where several concern
 /// it, the longest name wins, key by key.
 Tolerances sensorTolerances(const MountModel& model, const std::string& channel);

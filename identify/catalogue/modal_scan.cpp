@@ -12,15 +12,15 @@ namespace wems::identify {
 
 namespace {
 
-constexpr double kBandRatio = 0.004;     // width of a band over its frequency: well below that of a resonance
-constexpr double kGridRatio = 0.03;      // spacing of the scan …
-constexpr double kGridDamping = 0.02;    // … which a resonance of this damping ratio does not slip through
-constexpr double kBeyond = 1.5;          // a mode above the band still shows by its flexibility
-constexpr double kLargestDamping = 0.2;  // of a structure
-constexpr double kSmallestDamping = 1e-3;
-constexpr double kRidge = 1e-6;
-constexpr int kShapeSteps = 20;
-constexpr int kRefinements = 12;
+constexpr double kBandRatio = 0.004;       // width of a band over its frequency: well below that of a resonance
+constexpr double kGridRatio = 0.03;        // spacing of the scan …
+constexpr double kGridDamping = 0.02;      // … which a resonance of this damping ratio does not slip through
+constexpr double kBeyond = 1.5;            // a mode above the band still shows by its flexibility
+constexpr double kLargestDamping = 0.2;    // of a structure
+constexpr double kSmallestDamping = 1e-3;  // likewise
+constexpr double kRidge = 1e-6;            // of the diagonal: what no input excited stays at zero
+constexpr int kShapeSteps = 20;            // most, each damped until it gains
+constexpr int kRefinements = 12;           // the step halves each time nothing is gained: 4e-6 of the frequency
 
 /// d vec(φ pᵀ) / dp.
 Eigen::MatrixXd calcShapeJacobian(const Eigen::VectorXd& p) {

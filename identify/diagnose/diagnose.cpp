@@ -7,17 +7,11 @@
 #include "identify/updating/settling.hpp"
 #include "identify/updating/update.hpp"
 #include "models/common/error.hpp"
+#include "models/model_tolerance.hpp"
 
 namespace wems::identify {
 
 namespace {
-
-/// Whether a model states that all of its numbers, and those of its sensors, are exactly known.
-bool isExactlyKnown(const MountModel& model) {
-    for (std::size_t i = 0; i < kToleranceKeys.size(); ++i)
-        if (model.tolerances.find(static_cast<ToleranceOf>(i)) != 0.0) return false;
-    return true;
-}
 
 /// With every number anywhere within its tolerance. Nothing where the recordings cannot be judged so.
 std::optional<Diagnosis> diagnoseWithTolerances(const std::vector<Recording>& identification,
@@ -29,12 +23,6 @@ std::optional<Diagnosis> diagnoseWithTolerances(const std::vector<Recording>& id
     } catch (const InputError&) {  // said by the step with exact numbers too, in the terms of its own needs
         return std::nullopt;
     }
-}
-
-/// What every sensor has a little of, AC coupling above all, passes for faults of some where sensors are exact.
-bool accusesSensors(const Diagnosis& answer) {
-    return std::any_of(answer.causes.begin(), answer.causes.end(),
-                       [](const Cause& cause) { return cause.cause.rfind("sensor_", 0) == 0; });
 }
 
 /// Whether all equations leave noise alone, whatever a sensitive prediction makes of what is not known.
@@ -64,13 +52,15 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
     // The simplest world first: exact numbers and a cause or two. Where that leaves something, nothing is exact.
     Diagnosis exact = checkVerdict(
         updating::updateModel(identification, validation, model, updating::Numbers::exact, options), model);
-    // What it accuses must satisfy the equations and be no sensor: small errors everywhere find something to accuse.
-    const bool answers = exact.causes.empty() || (isSatisfied(exact) && !accusesSensors(exact));
+    // What it accuses must satisfy the equations: small errors everywhere find something to accuse.
+    const bool answers = exact.causes.empty() || isSatisfied(exact);
     if (exact.verdict != Diagnosis::Verdict::unexplained && (answers || isExactlyKnown(model))) return exact;
     auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
     if (adjusted) adjusted = checkVerdict(std::move(*adjusted), model);
-    // Of two answers that leave something, the one that satisfies the equations, else the one that predicts better.
-    if (!adjusted || (adjusted->verdict == Diagnosis::Verdict::unexplained && !isSatisfied(*adjusted) &&
+    // Where neither satisfies the equations, the prediction decides between two answers of one kind; an answer that
+    // explains stands before one that does not.
+    const auto explains = [](const Diagnosis& own) { return own.verdict != Diagnosis::Verdict::unexplained; };
+    if (!adjusted || (!isSatisfied(*adjusted) && explains(exact) >= explains(*adjusted) &&
                       exact.error_after.validation <= adjusted->error_after.validation))
         return exact;
     return std::move(*adjusted);

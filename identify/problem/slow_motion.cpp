@@ -14,7 +14,7 @@ namespace wems::identify {
 
 namespace {
 
-constexpr int kIterations = 20;
+constexpr int kIterations = 20;  // steps that never overshoot, and shrink as a geometric series
 
 Eigen::MatrixXd calcRelative(const RunMotion& run, const MountModel& model) {
     const auto samples = run.mobile.p.cols();

@@ -261,6 +261,7 @@ private:
         Information satisfied = sumOf(problem_.view(problem_.believedPoint(), next.set), true);
         for (std::size_t k = 0; k < kBlocks; ++k)
             if (misfits[k] >= kSatisfied) satisfied[k] = {};
+        if (std::all_of(satisfied.begin(), satisfied.end(), [](const auto& own) { return own.empty(); })) return false;
         const Posterior alone = SetEvidence(problem_, satisfied, {}, next.set).calcPosterior();
         return calcBeyondProbability(problem_, at(hypothesis), problem_.pointAt(alone.mean, next.set), alone) >= kSure;
     }

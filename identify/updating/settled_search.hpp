@@ -67,7 +67,6 @@ private:
     TestProblem& problem_;
     const Settler& settler_;
     const FreeJudge& judge_;
-    bool has_tolerances_ = false;
     std::optional<Anchor> ahead_;
 };
 

@@ -12,6 +12,7 @@
 #include "identify/verdict/free_error.hpp"
 #include "models/bryant.hpp"
 #include "models/common/error.hpp"
+#include "models/model_tolerance.hpp"
 
 namespace wems::identify::updating {
 namespace {
@@ -75,7 +76,7 @@ void widen(AxisReach& reach, const RunMotion& motion, const MountModel& model, d
 
 TestProblem::TestProblem(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
                          const MountModel& model, Numbers numbers)
-    : identification_count_(identification.size()), numbers_(numbers) {
+    : identification_count_(identification.size()), numbers_(numbers), exactly_known_(isExactlyKnown(model)) {
     std::vector<Recording> all = identification;
     all.insert(all.end(), validation.begin(), validation.end());
     layout_ = makeSensorLayout(all, model);
@@ -106,10 +107,13 @@ TestProblem::TestProblem(const std::vector<Recording>& identification, const std
     pristine_ = remember();
 }
 
+double TestProblem::deviationOf(const Unknown& row) const {
+    return numbers_ == Numbers::within_tolerances || row.kind == UnknownKind::corner ? row.deviation : 0;
+}
+
 Eigen::VectorXd TestProblem::deviations() const {
     Eigen::VectorXd result = Eigen::VectorXd::Zero(catalogue_.columns.size());
-    if (numbers_ == Numbers::exact) return result;
-    for (std::size_t i = 0; i < table_.size(); ++i) result[i] = table_[i].deviation;
+    for (std::size_t i = 0; i < table_.size(); ++i) result[i] = deviationOf(table_[i]);
     return result;
 }
 
@@ -306,8 +310,7 @@ TestView TestProblem::view(const TestPoint& point) const {
 TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set) const {
     ColumnSet columns = catalogue_.columns;
     columns.wanted.assign(columns.size(), 0);
-    if (numbers_ == Numbers::within_tolerances)
-        for (std::size_t i = 0; i < table_.size(); ++i) columns.wanted[i] = table_[i].deviation > 0;
+    for (std::size_t i = 0; i < table_.size(); ++i) columns.wanted[i] = deviationOf(table_[i]) > 0;
     for (const int h : set)
         for (const Direction& direction : catalogue_.hypotheses[h].directions)
             for (const auto& [column, weight] : direction) columns.wanted[column] = 1;

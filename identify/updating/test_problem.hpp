@@ -31,7 +31,8 @@ struct TestMisfit {
     Information identification, validation;
 };
 
-/// What is believed of the numbers that no hypothesis of a set moves.
+/// What is believed of the numbers that no hypothesis of a set moves. The corner of AC coupling, which no model states,
+/// is free in either case.
 enum class Numbers { exact, within_tolerances };
 
 class TestProblem {
@@ -42,6 +43,8 @@ public:
 
     Numbers numbers() const { return numbers_; }
     void assume(Numbers numbers) { numbers_ = numbers; }
+    /// Whether the model states that nothing has a tolerance: exact numbers are then all there is.
+    bool exactlyKnown() const { return exactly_known_; }
     const UnknownTable& table() const { return table_; }
     const std::vector<Hypothesis>& hypotheses() const { return catalogue_.hypotheses; }
     const SensorLayout& layout() const { return layout_; }
@@ -99,6 +102,8 @@ public:
 private:
     TestView view(const TestPoint& point, const ColumnSet& columns) const;
     bool isAdopted(int hypothesis) const;
+    /// Prior standard deviation of a row outside all hypotheses.
+    double deviationOf(const Unknown& row) const;
     /// A run as exact sensors would have recorded it.
     TestRun correctRun(const TestRun& run, const TestPoint& point) const;
 
@@ -107,6 +112,7 @@ private:
     std::vector<TestRun> runs_;
     std::size_t identification_count_ = 0;
     Numbers numbers_ = Numbers::within_tolerances;
+    bool exactly_known_ = false;
     UnknownTable table_;
     Catalogue catalogue_;
     Memento pristine_;  // before any adoption

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "identify/diagnose/diagnose.hpp"
-#include "identify/updating/selection.hpp"
+#include "identify/updating/settling.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/diagnose/draw_until.hpp"
 #include "tests/diagnose/hidden_device.hpp"
@@ -61,17 +61,26 @@ std::string findHidden(const MountModel& model, const std::string& parameter, do
 
 }  // namespace
 
+// A perfect model leaves the noise and nothing else: in its free simulation, and where no stop bends the motion between
+// samples in its equations too. With stops these leave up to three times the noise (settling.hpp, kSatisfied).
 TEST_CASE("Nothing is missing where the model is the truth", "[diagnose]") {
-    test::drawUntilClear([](std::uint64_t seed) -> std::string {
+    const bool stops = GENERATE(true, false);
+    CAPTURE(stops);
+    test::drawUntilClear([&](std::uint64_t seed) -> std::string {
         std::mt19937_64 random(seed);
-        const auto model = identify::testing::makeRandomDevice(random);
+        auto model = identify::testing::makeRandomDevice(random);
+        for (Connection& connection : model.connections)
+            for (AxisLaw& law : connection.axis)
+                if (!stops) law.stops.clear();
         const auto recordings = recordAll(model, random);
         const auto diagnosis = diagnose(recordings.identification, recordings.validation, model);
         if (formatVerdict(diagnosis.verdict) != "nothing_missing" || !diagnosis.causes.empty())
             return formatVerdict(diagnosis.verdict);
-        // A perfect model leaves the noise, and what sampling makes of its stops.
-        const bool satisfied = diagnosis.misfit_after > 0.85 && diagnosis.misfit_after < updating::kSatisfied;
-        return satisfied ? "" : "misfit " + std::to_string(diagnosis.misfit_after);
+        if (std::abs(diagnosis.error_after.validation / diagnosis.noise_floor.validation - 1) > 0.05)
+            return "error " + std::to_string(diagnosis.error_after.validation);
+        const double misfit = diagnosis.misfit_after;
+        const bool satisfied = stops ? misfit > 0.85 && misfit < updating::kSatisfied : std::abs(misfit - 1) < 0.15;
+        return satisfied ? "" : "misfit " + std::to_string(misfit);
     });
 }
 

@@ -114,3 +114,24 @@ TEST_CASE("the longest name of a sensor wins, key by key") {
     CHECK(sensorTolerances(model, "mobile.left.ax").find(ToleranceOf::sensor_gain) == 0.1);
     CHECK(sensorTolerances(model, "fixed.left.az").empty());
 }
+
+TEST_CASE("A model is exactly known if every tolerance is zero, those of single items too") {
+    MountModel model = readMountModel(WEMS_SOURCE_DIR "/models/shipped/smallsat_wems.toml");
+    CHECK_FALSE(isExactlyKnown(model));  // defaults
+    for (std::size_t i = 0; i < kToleranceKeys.size(); ++i) model.tolerances.set(static_cast<ToleranceOf>(i), 0.0);
+    CHECK(isExactlyKnown(model));
+    const MountModel exact = model;
+    const auto stateOne = [&](MountModel& changed, Tolerances& item, ToleranceOf what) {
+        item.set(what, 0.0);
+        CHECK(isExactlyKnown(changed));
+        item.set(what, 0.01);
+        CHECK_FALSE(isExactlyKnown(changed));
+    };
+    stateOne(model = exact, model.body.tolerances, ToleranceOf::mass);
+    stateOne(model = exact, model.connections[1].tolerances, ToleranceOf::position);
+    stateOne(model = exact, model.connections[1].axis_tolerances[2], ToleranceOf::stiffness);
+    stateOne(model = exact, model.bracket[0].tolerances, ToleranceOf::mode_shape);
+    model = exact;
+    model.sensors.emplace_back();
+    stateOne(model, model.sensors.back().tolerances, ToleranceOf::sensor_gain);
+}

@@ -1,0 +1,101 @@
+// What a hypothesis sets far from the believed numbers: taken with it, and given back.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "identify/updating/naming.hpp"
+#include "identify/updating/test_problem.hpp"
+#include "tests/diagnose/hidden_device.hpp"
+#include "tests/seed.hpp"
+
+namespace wems::identify::updating {
+namespace {
+
+TestProblem makeProblem(std::mt19937_64& random) {
+    const MountModel model = identify::testing::makeRandomDevice(random);
+    identify::testing::RunPlan plan;
+    plan.duration = 4;
+    plan.force = Eigen::Vector3d(20, 40, 250);
+    MountModel believed = model;
+    believed.bracket.pop_back();
+    return {{recordRun(model, plan, random)}, {}, believed, Numbers::exact};
+}
+
+std::vector<double> listBelieved(const TestProblem& problem) {
+    std::vector<double> believed;
+    for (const Unknown& row : problem.table()) believed.push_back(row.believed);
+    return believed;
+}
+
+}  // namespace
+
+TEST_CASE("A hypothesis that leaves the set takes with it what its adoption had set", "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    TestProblem problem = makeProblem(random);
+    problem.seekMissingMode(problem.believedPoint(), {});
+    const std::vector<double> before = listBelieved(problem);
+    int adopted = 0;
+    for (int h = 0; h < static_cast<int>(problem.hypotheses().size()); ++h) {
+        const Hypothesis pristine = problem.hypotheses()[h];
+        if (pristine.tangent.empty()) continue;
+        ++adopted;
+        CAPTURE(describe(pristine));
+        problem.adopt({h});
+        CHECK(problem.hypotheses()[h].directions == pristine.tangent);
+        for (const auto& [row, value] : pristine.start) CHECK(problem.table()[row].believed == value);
+        TestPoint point = problem.pointAt(Eigen::VectorXd::Zero(problem.deviations().size()), {h});
+        problem.release(point, h);
+        for (const auto& [row, value] : pristine.start) {
+            CHECK(point.values[row] == before[row]);
+            CHECK(problem.table()[row].get(point.state) == before[row]);
+        }
+        problem.adopt({});
+        CHECK(listBelieved(problem) == before);
+        CHECK(problem.hypotheses()[h].directions == pristine.directions);
+    }
+    CHECK(adopted > 0);
+}
+
+TEST_CASE("A missing mode is sought once, and is one statement beside those of the modes that are there",
+          "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    TestProblem problem = makeProblem(random);
+    const auto isOfBracket = [](const Hypothesis& own) { return own.cause == "bracket_mode"; };
+    const auto lacksNumbers = [&](const Hypothesis& own) { return isOfBracket(own) && own.reported.empty(); };
+    const auto& all = problem.hypotheses();
+    REQUIRE(std::count_if(all.begin(), all.end(), lacksNumbers) == 1);
+    problem.seekMissingMode(problem.believedPoint(), {});
+    REQUIRE(std::count_if(all.begin(), all.end(), lacksNumbers) == 0);
+    std::vector<std::string> statements;
+    for (int h = 0; h < static_cast<int>(all.size()); ++h)
+        if (isOfBracket(all[h])) statements.push_back(signatureOf(problem, {h}));
+    std::sort(statements.begin(), statements.end());
+    CHECK(std::adjacent_find(statements.begin(), statements.end()) == statements.end());
+}
+
+TEST_CASE("A stop is sought from as near as its probe, and what a set does not move is as believed", "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const TestProblem problem = makeProblem(random);
+    int probed = 0;
+    for (int h = 0; h < static_cast<int>(problem.hypotheses().size()); ++h) {
+        const Hypothesis& hypothesis = problem.hypotheses()[h];
+        const auto far = problem.goToProbes(problem.believedPoint(), {h});
+        const bool sought = hypothesis.start.empty() && !hypothesis.moves.empty();
+        CHECK(far.has_value() == sought);
+        if (!far) continue;
+        ++probed;
+        CAPTURE(describe(hypothesis));
+        const int row = hypothesis.moves.front().second;
+        CHECK(far->values[row] != problem.table()[row].believed);
+        CHECK(problem.reduce(*far, {}).values == problem.believedPoint().values);
+    }
+    CHECK(probed > 0);
+}
+
+}  // namespace wems::identify::updating
