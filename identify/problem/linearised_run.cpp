@@ -271,12 +271,11 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
         for (int sine = 0; sine < 2; ++sine)
             maker.addBracket(columns.size() + 2 * j + sine, at.calcTransient(j, sine != 0));
     LinearisedRun result;
-    const SensorColumns sensors(run, layout, at.run(), at.spectra(), at.motionNoise());
+    const SensorColumns sensors(run, layout, at.run(), at.spectra(), at.motionNoise(), *columns.table, columns.wanted);
     for (std::size_t i = 0; i < columns.table->size(); ++i) {
-        if (!columns.wants(i)) continue;
-        const SensorEffect effect = sensors.calcEffect((*columns.table)[i], at.inContact());
-        if (effect.spectra.size() == 0) continue;
-        maker.addWhite(i, at.calcMotionColumn(effect.part, effect.series, effect.spectra));
+        const SensorEffect effect = sensors.calcEffect(i, at.inContact());
+        if (effect.changes.empty()) continue;
+        maker.addWhite(i, at.calcMotionColumn(effect));
         maker.setNoise(i, maker.noise().makeSensor(effect));
     }
     auto& mount = result.information[indexOf(Block::mount)];
@@ -296,7 +295,7 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
     }
     for (const Part part : {Part::mobile, Part::fixed})
         result.information[indexOf(part == Part::mobile ? Block::mobile_sensors : Block::fixed_sensors)] =
-            sensors.calcInformation(part, *columns.table, columns.wanted, columns.size());
+            sensors.calcInformation(part, columns.size());
     result.mount_residual = at.residual().topRows(6);
     for (std::size_t c = 0; c < state.model.connections.size(); ++c)
         for (int a = 0; a < 3; ++a)
@@ -331,10 +330,11 @@ Information calcMisfit(const TestRun& run, const SensorLayout& layout, const Tes
         marginalise(own, 2 * modes, calcTransientPrecision(at, state.model));
         result[indexOf(Block::bracket)].chi_squared = own.chi_squared;
     }
-    const SensorColumns sensors(run, layout, at.run(), at.spectra(), at.motionNoise());
+    const UnknownTable none;
+    const SensorColumns sensors(run, layout, at.run(), at.spectra(), at.motionNoise(), none, {});
     for (const Part part : {Part::mobile, Part::fixed})
         result[indexOf(part == Part::mobile ? Block::mobile_sensors : Block::fixed_sensors)] =
-            sensors.calcInformation(part, {}, {}, 0);
+            sensors.calcInformation(part, 0);
     return result;
 }
 

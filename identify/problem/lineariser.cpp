@@ -244,25 +244,33 @@ Eigen::MatrixXcd Lineariser::calcTransient(int mode, bool sine) const {
     return white;
 }
 
-Eigen::MatrixXcd Lineariser::calcMotionColumn(Part part, const Eigen::MatrixXd& series,
-                                              const Eigen::MatrixXcd& spectra) const {
-    const bool mobile = part == Part::mobile;
-    Eigen::MatrixXcd white(12, spectra.cols());
-    for (Eigen::Index b = 0; b < spectra.cols(); ++b)
-        white.col(b) = noise_.whitenedMotion(b)
-                           .middleCols<6>(mobile ? 0 : 6)
-                           .lazyProduct(Eigen::Map<const Vector6c>(&spectra(0, b)));
+Eigen::MatrixXcd Lineariser::calcMotionColumn(const SensorEffect& effect) const {
+    const bool mobile = effect.part == Part::mobile;
+    Eigen::MatrixXcd white = Eigen::MatrixXcd::Zero(12, spectra_.binCount());
+    for (const auto& change : effect.changes) {
+        const Vector6c direction = change.direction.cast<Complex>();
+        for (Eigen::Index b = 0; b < white.cols(); ++b)
+            Eigen::Map<Vector12c>(&white(0, b)) +=
+                change.spectrum[b] *
+                noise_.whitenedMotion(b).middleCols<6>(mobile ? 0 : 6).lazyProduct(direction).eval();
+    }
     if (!with_bracket_) white.bottomRows(6).setZero();
     if (!in_contact_) return white;
     const double sign = mobile ? 1.0 : -1.0;
-    Eigen::MatrixXd contact = Eigen::MatrixXd::Zero(6, series.cols());
+    Eigen::MatrixXd contact = Eigen::MatrixXd::Zero(6, slow_ ? open_.sampleCount() : 0);
     for (Eigen::Index row = 0; row < tangent_.rows(); ++row) {
         if (!touched_[row]) continue;
         const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
-        const Eigen::RowVectorXd q = d.transpose() * series;
-        contact += d * (sign * (tangent_.row(row).array() - rest_tangent_[row]) * q.array()).matrix();
+        Eigen::RowVectorXd q = Eigen::RowVectorXd::Zero(open_.sampleCount());
+        for (const auto& change : effect.changes) q += d.dot(change.direction) * change.series;
+        const Eigen::RowVectorXd force = sign * (tangent_.row(row).array() - rest_tangent_[row]) * q.array();
+        if (slow_)
+            contact += d * force;
+        else
+            white += axis_white_[row] * spectra_.transform(force).row(0).asDiagonal();
     }
-    return white + whiten(transformMount(contact), {});
+    if (slow_) white += whiten(transformMount(contact), {});
+    return white;
 }
 
 Eigen::MatrixXcd Lineariser::whitenDirection(const Vector6& d) const {

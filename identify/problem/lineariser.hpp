@@ -13,6 +13,7 @@
 #include "identify/problem/linearised_run.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "identify/problem/run_noise.hpp"
+#include "identify/problem/sensor_columns.hpp"
 
 namespace wems::identify {
 
@@ -74,8 +75,8 @@ public:
     /// free decay.
     Eigen::MatrixXcd calcTransient(int mode, bool sine) const;
 
-    /// A motion of one part that a sensor's error makes: its series (6 x samples) and spectra. @return whitened
-    Eigen::MatrixXcd calcMotionColumn(Part part, const Eigen::MatrixXd& series, const Eigen::MatrixXcd& spectra) const;
+    /// What a sensor's error makes of one part's motion, with its series where inContact(). @return whitened
+    Eigen::MatrixXcd calcMotionColumn(const SensorEffect& effect) const;
 
     bool inContact() const { return in_contact_; }
     const MotionNoise& motionNoise() const { return motion_noise_; }

@@ -15,32 +15,33 @@
 
 namespace wems::identify {
 
-/// Change of a part's motion (translation above rotation, as displacement) by a unit of an error; empty if there is
-/// none.
+/// Change of a part's motion (translation above rotation, as displacement) by a unit of an error.
 struct SensorEffect {
-    /// Of one channel: how its change follows from the part's motion (6), what of it enters the motion, and where (6).
+    /// Of one channel: the motion moves by `spectrum`, or `series`, along `direction`.
     struct ChannelChange {
-        Vector6 signal, direction;
-        Eigen::VectorXcd weight;  ///< at each bin
+        Vector6 signal;             ///< by which the channel's change follows from the motion
+        Vector6 direction;          ///< in which the channel moves the fused motion
+        Eigen::VectorXcd weight;    ///< at each bin: what of signal · motion enters the motion
+        Eigen::VectorXcd spectrum;  ///< tapered, at each bin
+        Eigen::RowVectorXd series;  ///< of all samples; empty unless asked for
     };
     Part part = Part::mobile;
-    std::vector<ChannelChange> changes;
-    Eigen::MatrixXd series;    ///< 6 x samples; empty unless asked for
-    Eigen::MatrixXcd spectra;  ///< 6 x bins, tapered
+    std::vector<ChannelChange> changes;  ///< none: the unknown is no sensor's
 };
 
+/// Of the unknowns of a table.
 class SensorColumns {
 public:
+    /// @param wanted rows of the table that count; empty: all
     SensorColumns(const TestRun& test, const SensorLayout& layout, const OpenLoopRun& run,
-                  const EquationSpectra& spectra, const MotionNoise& noise);
+                  const EquationSpectra& spectra, const MotionNoise& noise, const UnknownTable& table,
+                  const std::vector<char>& wanted);
 
-    SensorEffect calcEffect(const Unknown& row, bool with_series) const;
+    SensorEffect calcEffect(std::size_t row, bool with_series) const;
 
     /// What the channels of a part say beyond its rigid motion.
     /// @param size columns of the information; those of the table come first
-    /// @param wanted rows of the table that count; empty: all
-    BlockInformation calcInformation(Part part, const UnknownTable& table, const std::vector<char>& wanted,
-                                     Eigen::Index size) const;
+    BlockInformation calcInformation(Part part, Eigen::Index size) const;
 
 private:
     /// Channels of a group in this recording.
@@ -54,35 +55,43 @@ private:
         const NoiseDensity* noise;
         Eigen::Index rank = 0;
     };
-    /// A unit error's change of one channel: its tapered spectrum at the bins and, if asked for, its series as a
-    /// displacement in the fused motion.
+    /// A unit error's change of one channel.
     struct Change {
-        const Group* group;
+        std::size_t group;
         Eigen::Index channel;
-        Eigen::MatrixXcd spectrum;  // 1 x bins
-        Eigen::RowVectorXd series;
-        Vector6 signal;  // change = signal · motion, beside the transfer
+        Eigen::VectorXcd spectrum;  // tapered, at the bins
+        Vector6 signal;             // change = signal · motion, beside the transfer
     };
-    /// What the noise of a channel's reading adds to the slope of its gain in the mean, in the sensors' own equations.
-    Eigen::MatrixXd calcGainSlopes(const std::vector<const Group*>& groups, const UnknownTable& table,
-                                   Eigen::Index size) const;
-    std::vector<Change> calcChanges(const Unknown& row, bool with_series) const;
+    struct Members;  // sensor_information.cpp
+    struct Redundancy;
+
+    /// What a unit of an unknown makes of a channel beside the transfer; empty if nothing.
+    /// @param from by which it follows from the motion
+    Eigen::RowVectorXd calcSignal(const Unknown& row, const Group& group, Eigen::Index channel, Vector6& from) const;
+    std::vector<Change> calcChanges(const Unknown& row) const;
+    /// A channel's change as a displacement in the fused motion.
+    Eigen::RowVectorXd calcSeries(const Unknown& row, const Change& change) const;
+    /// Of the fused displacement by a channel's change at a bin.
+    double calcWeight(const Group& group, double w) const;
     /// What a corner of 1 Hz adds to each row (x samples), or to a row of the motion that follows from all channels.
     Eigen::MatrixXd integrate(const Eigen::MatrixXd& rows, Part part, bool in_motion) const;
     /// What a corner of 1 Hz changes in the channels of a part's groups beyond what it does to the motion: channels x
     /// bins, tapered.
-    std::vector<Eigen::MatrixXcd> calcCornerChanges(const std::vector<const Group*>& groups, Part part) const;
-    Change makeChange(const Group& group, Eigen::Index channel, const Eigen::RowVectorXd& signal, UnknownKind kind,
-                      bool with_series) const;
-    /// Of the fused displacement by a channel's change at a bin.
-    std::complex<double> calcWeight(const Group& group, double w) const;
+    std::vector<Eigen::MatrixXcd> calcCornerChanges(const std::vector<std::size_t>& groups, Part part) const;
+    void addCorners(const Redundancy& at, const std::vector<Eigen::MatrixXcd>& residual, Part part,
+                    BlockInformation& block) const;
+    Members collectMembers(std::size_t group) const;
+    /// What the noise of a channel's reading adds to the slope of its gain in the mean, in the sensors' own equations.
+    Eigen::MatrixXd calcGainSlopes(const std::vector<std::size_t>& groups, Eigen::Index size) const;
 
     const SensorLayout& layout_;
     const OpenLoopRun& run_;
     const EquationSpectra& spectra_;
     const MotionNoise& noise_;
+    const UnknownTable& table_;
     Fourier fourier_;
     std::vector<Group> groups_;
+    std::vector<std::vector<Change>> changes_;  // of each row of the table
 };
 
 }  // namespace wems::identify
