@@ -43,13 +43,25 @@ ColumnNoise::ColumnNoise(const OpenLoopRun& run, const MountModel& model, const 
     const Eigen::Index bins = spectra_.binCount();
     slope_step_ = std::max<Eigen::Index>(1, bins / kSlopeBins);
     for (Eigen::Index b = 0; b < bins; b += slope_step_) {
-        const Eigen::MatrixXcd rows = residual.middleCols(b, std::min(slope_step_, bins - b));
-        const Eigen::MatrixXcd square = rows * rows.adjoint();
-        Eigen::MatrixXcd regressors(15, 12);
-        regressors << noise_->regressorNoise(b), noise_->loadNoise(b);
-        Product product;
-        product << regressors * square, regressors.leftCols(6) * square.topLeftCorner(6, 6);
+        // The residual's square times what meets it, bin by bin: of low rank, and no 12 x 12 product is needed.
+        Product product = Product::Zero();
+        for (Eigen::Index k = b; k < std::min(b + slope_step_, bins); ++k) {
+            const Vector12c r = residual.col(k);
+            Eigen::Matrix<Complex, 15, 1> all, mount;
+            all << noise_->regressorNoise(b) * r, noise_->loadNoise(b) * r;
+            mount << noise_->regressorNoise(b).leftCols<6>() * r.head<6>(),
+                noise_->loadNoise(b).leftCols<6>() * r.head<6>();
+            product.leftCols<12>() += all * r.adjoint();
+            product.rightCols<6>() += mount * r.head<6>().adjoint();
+        }
         products_.push_back(product);
+        for (int part = 0; part < 2; ++part) {
+            const Eigen::Matrix<Complex, 12, 6> motion = noise_->whitenedMotion(b).middleCols<6>(6 * part);
+            const Eigen::Matrix<Complex, 6, 18> own = product.middleRows<6>(6 * part);
+            MotionProduct all;
+            all << own.leftCols<12>() * motion, own.rightCols<6>() * motion.topRows<6>();
+            motion_products_[part].push_back(all);
+        }
     }
 }
 
@@ -170,6 +182,24 @@ ColumnNoise::Slope ColumnNoise::calcSlope(const Column& column) const {
             const double all = along.head<12>().cwiseProduct(term.left).sum().real();
             const double mount = along.tail<6>().cwiseProduct(term.left.head<6>()).sum().real();
             sum.col(bandOf(b)) += 2 * Eigen::Vector2d(mount, all - mount);
+        }
+    }
+    return sum;
+}
+
+ColumnNoise::Slope ColumnNoise::calcSlope(const SensorEffect& effect) const {
+    Slope sum = Slope::Zero();
+    const auto& products = motion_products_[effect.part == Part::mobile ? 0 : 1];
+    for (const auto& change : effect.changes) {
+        const Eigen::Matrix<Complex, 1, 6> signal = change.signal.transpose().cast<Complex>();
+        const Eigen::Matrix<Complex, 6, 1> direction = change.direction.cast<Complex>();
+        for (std::size_t i = 0; i < products.size(); ++i) {
+            const Eigen::Index b = static_cast<Eigen::Index>(i) * slope_step_;
+            const Eigen::Matrix<Complex, 1, 12> along = signal * products[i];
+            const Complex all = (along.leftCols<6>() * direction).value();
+            const Complex mount = (along.rightCols<6>() * direction).value();
+            const Eigen::Vector2cd own(mount, all - mount);
+            sum.col(bandOf(b)) -= 2 * (change.weight[b] * own).real();
         }
     }
     return sum;

@@ -58,6 +58,8 @@ public:
     Column makeSensor(const SensorEffect& effect) const;
 
     Slope calcSlope(const Column& column) const;
+    /// Of makeSensor(effect).
+    Slope calcSlope(const SensorEffect& effect) const;
     /// By the noise that an axis' stiffness beyond its mean spreads over all frequencies: R holds its power times d dᵀ,
     /// which a change of the law moves as the square of that stiffness.
     Slope calcContactSlope(const TestState& from, const TestState& to, int connection, int axis, double step) const;
@@ -79,6 +81,10 @@ private:
     /// that slopes are taken at, summed to the next.
     using Product = Eigen::Matrix<std::complex<double>, 15, 18, Eigen::RowMajor>;
     std::vector<Product, Eigen::aligned_allocator<Product>> products_;
+    /// signalᵀ (product) direction is what a change of a channel that moves its part's motion adds to s, of all rows
+    /// beside those of the mount: of the mobile part, of the fixed part.
+    using MotionProduct = Eigen::Matrix<std::complex<double>, 6, 12>;
+    std::vector<MotionProduct, Eigen::aligned_allocator<MotionProduct>> motion_products_[2];
 };
 
 }  // namespace wems::identify

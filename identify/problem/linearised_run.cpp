@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "identify/problem/column_noise.hpp"
@@ -27,46 +28,44 @@ Eigen::VectorXf unfold(const Eigen::Ref<const Eigen::MatrixXcd>& rows) {
     return values;
 }
 
-/// Columns of one block and their products.
+/// Columns of one block and their products; those that are not set are zero.
 class BlockColumns {
 public:
-    BlockColumns(Eigen::Index rows, Eigen::Index columns)
-        : J_(Eigen::MatrixXf::Zero(rows, columns)), used_(columns, false) {}
-    void set(Eigen::Index column, const Eigen::VectorXf& values) {
-        J_.col(column) = values;
-        used_[column] = true;
-    }
+    BlockColumns(Eigen::Index rows, Eigen::Index columns) : rows_(rows), columns_(columns) {}
+    void set(Eigen::Index column, Eigen::VectorXf values) { columns_[column] = std::move(values); }
     /// @param residual as the columns
     BlockInformation calcInformation(const Eigen::VectorXf& residual) const {
         std::vector<Eigen::Index> used;
-        for (std::size_t c = 0; c < used_.size(); ++c)
-            if (used_[c]) used.push_back(c);
-        const Eigen::Index count = used.size();
+        for (std::size_t c = 0; c < columns_.size(); ++c)
+            if (columns_[c].size() > 0) used.push_back(c);
+        const Eigen::Index count = used.size(), all = columns_.size();
         Eigen::MatrixXd A = Eigen::MatrixXd::Zero(count, count);
         Eigen::VectorXd b = Eigen::VectorXd::Zero(count);
         BlockInformation result;
         constexpr Eigen::Index kChunk = 1024;
-        for (Eigen::Index first = 0; first < J_.rows(); first += kChunk) {
-            const Eigen::Index rows = std::min(kChunk, J_.rows() - first);
-            const Eigen::MatrixXd chunk = J_.middleRows(first, rows)(Eigen::all, used).cast<double>();
+        for (Eigen::Index first = 0; first < rows_; first += kChunk) {
+            const Eigen::Index rows = std::min(kChunk, rows_ - first);
+            Eigen::MatrixXd chunk(rows, count);
+            for (Eigen::Index i = 0; i < count; ++i)
+                chunk.col(i) = columns_[used[i]].segment(first, rows).cast<double>();
             const Eigen::VectorXd r = residual.segment(first, rows).cast<double>();
             A.selfadjointView<Eigen::Lower>().rankUpdate(chunk.transpose());
             b.noalias() += chunk.transpose() * r;
             result.chi_squared += r.squaredNorm();
         }
         A.triangularView<Eigen::StrictlyUpper>() = A.transpose();
-        result.A = Eigen::MatrixXd::Zero(J_.cols(), J_.cols());
-        result.b = Eigen::VectorXd::Zero(J_.cols());
-        result.noise_slopes = Eigen::MatrixXd::Zero(J_.cols(), 0);
+        result.A = Eigen::MatrixXd::Zero(all, all);
+        result.b = Eigen::VectorXd::Zero(all);
+        result.noise_slopes = Eigen::MatrixXd::Zero(all, 0);
         result.A(used, used) = A;
         result.b(used) = b;
-        result.count = static_cast<double>(J_.rows());
+        result.count = static_cast<double>(rows_);
         return result;
     }
 
 private:
-    Eigen::MatrixXf J_;
-    std::vector<bool> used_;
+    Eigen::Index rows_;
+    std::vector<Eigen::VectorXf> columns_;
 };
 
 /// Takes the last `count` unknowns, which belong to this run alone, out of an information.
@@ -202,8 +201,10 @@ public:
             if (!columns_.wants(table.size() + i)) continue;
             const Probe& probe = columns_.probes[i];
             const Unknown& row = table[probe.parameter];
-            TestState from = state_;
-            for (const auto& [other, value] : probe.preset) table[other].set(from, value);
+            std::optional<TestState> preset;
+            if (!probe.preset.empty()) preset = state_;
+            for (const auto& [other, value] : probe.preset) table[other].set(*preset, value);
+            const TestState& from = preset ? *preset : state_;
             if (row.kind == UnknownKind::mode) {
                 if (at_.hasBracket()) addBracket(table.size() + i, at_.calcAddedMode(from.model.bracket[row.first]));
                 continue;
@@ -229,7 +230,10 @@ public:
         slopes_[column] = noise_.calcSlope(noise);
         noisy_[column] = std::move(noise);
     }
-    const ColumnNoise& noise() const { return noise_; }
+    void setNoise(Eigen::Index column, const SensorEffect& effect) {
+        slopes_[column] = noise_.calcSlope(effect);
+        noisy_[column] = noise_.makeSensor(effect);
+    }
     Eigen::MatrixXd calcNoiseProducts(bool bracket) const { return noise_.calcProducts(noisy_, bracket ? 6 : 0); }
     BlockColumns& mount() { return mount_; }
     BlockColumns& bracket() { return bracket_; }
@@ -260,8 +264,7 @@ private:
 
 LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const ColumnSet& columns,
                         const TestState& state) {
-    Lineariser at(run, layout, state);
-    at.prepareColumns();
+    const Lineariser at(run, layout, state, Lineariser::Purpose::columns);
     const auto modes = at.hasBracket() ? static_cast<int>(state.model.bracket.size()) : 0;
     const Eigen::Index extra = 2 * modes;
     ColumnMaker maker(at, columns, state, extra);
@@ -276,7 +279,7 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
         const SensorEffect effect = sensors.calcEffect(i, at.inContact());
         if (effect.changes.empty()) continue;
         maker.addWhite(i, at.calcMotionColumn(effect));
-        maker.setNoise(i, maker.noise().makeSensor(effect));
+        maker.setNoise(i, effect);
     }
     auto& mount = result.information[indexOf(Block::mount)];
     mount = maker.mount().calcInformation(unfold(at.residual().topRows(6)));
@@ -308,7 +311,7 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
 }
 
 Information calcMisfit(const TestRun& run, const SensorLayout& layout, const TestState& state) {
-    const Lineariser at(run, layout, state);
+    const Lineariser at(run, layout, state, Lineariser::Purpose::residual);
     Information result;
     const auto measure = [&](Block block, const Eigen::MatrixXcd& rows) {
         auto& own = result[indexOf(block)];

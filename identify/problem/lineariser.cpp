@@ -22,7 +22,7 @@ constexpr double kOfPass = 0.9;       // and of the low pass
 
 }  // namespace
 
-Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state)
+Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state, Purpose purpose)
     : test_(test),
       model_(state.model),
       open_(makeRun()),
@@ -31,9 +31,10 @@ Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const Te
       spectra_(open_, std::max(kCountedFrom * test.band.lowest, slow_ ? slow_->highestBalanced() : open_.lowest),
                std::min(kCountedTo * test.band.highest, kOfPass * open_.pass)),
       motion_noise_(test, layout),
-      noise_(test, open_, model_, motion_noise_, spectra_, slow_.get(), with_bracket_),
+      noise_(test, open_, model_, motion_noise_, spectra_, slow_.get(), with_bracket_, purpose == Purpose::columns),
       bracket_(open_) {
     calcResiduals();
+    if (purpose == Purpose::columns) prepareColumns();
 }
 
 void Lineariser::prepareColumns() {
@@ -99,9 +100,11 @@ Eigen::MatrixXcd Lineariser::transformMount(const Eigen::MatrixXd& wrench) const
 Eigen::MatrixXcd Lineariser::calcLawColumn(const TestState& from, const TestState& to, int connection, int axis,
                                            double step, Eigen::VectorXd& burst) const {
     const auto c = static_cast<std::size_t>(connection), a = static_cast<std::size_t>(axis);
-    const Eigen::VectorXd change = (calcAxisForce(open_, to.model.connections[c].axis[a], connection, axis) -
-                                    calcAxisForce(open_, from.model.connections[c].axis[a], connection, axis)) /
-                                   step;
+    const Eigen::VectorXd before = &from.model == &model_
+                                       ? forces_.row(3 * connection + axis).transpose().eval()
+                                       : calcAxisForce(open_, from.model.connections[c].axis[a], connection, axis);
+    const Eigen::VectorXd change =
+        (calcAxisForce(open_, to.model.connections[c].axis[a], connection, axis) - before) / step;
     if (change.isZero(0.0)) return {};
     const Eigen::MatrixXcd spectrum = spectra_.transform(change.transpose());
     Eigen::MatrixXcd white = axis_white_[3 * c + a];

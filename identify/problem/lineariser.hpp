@@ -20,12 +20,10 @@ namespace wems::identify {
 /// Everything about a run at a state that residual and columns share.
 class Lineariser {
 public:
-    Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state);
+    enum class Purpose { residual, columns };
+    Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state, Purpose purpose);
     Lineariser(const Lineariser&) = delete;  // its parts point at each other
     Lineariser& operator=(const Lineariser&) = delete;
-
-    /// What the columns need beyond the residual.
-    void prepareColumns();
 
     const EquationSpectra& spectra() const { return spectra_; }
     const OpenLoopRun& run() const { return open_; }
@@ -97,6 +95,8 @@ private:
     OpenLoopRun makeRun() const;
 
     void calcResiduals();
+    /// What the columns need beyond the residual.
+    void prepareColumns();
 
     const TestRun& test_;
     const MountModel& model_;

@@ -128,6 +128,9 @@ Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int co
     const bool sliding = law.friction && !law.friction->presliding_stiffness;
     AxisLaw smooth = law;
     if (sliding) smooth.friction.reset();
+    smooth.stops.erase(
+        std::remove_if(smooth.stops.begin(), smooth.stops.end(), [](const Stop& stop) { return stop.stiffness == 0; }),
+        smooth.stops.end());
     const AxisForce force(smooth);
     const int row = 3 * connection + axis;
     const Eigen::VectorXd q = run.q.row(row), v = run.v.row(row);

@@ -154,7 +154,7 @@ Matrix6 MotionNoise::covariance(Part part, double w) const {
 }
 
 RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel& model, const MotionNoise& motion,
-                   const EquationSpectra& spectra, const SlowBalance* slow, bool with_bracket) {
+                   const EquationSpectra& spectra, const SlowBalance* slow, bool with_bracket, bool with_columns) {
     const Matrix6 M = calcMassMatrix(model.body);
     const Vector6 freedom = calcFreedom(model.body);
     Eigen::Matrix<double, 6, 12> relative;
@@ -201,6 +201,7 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
         contact_power.row(row) = spectra.calcModulated(contact[i], density).transpose();
         contact_variances_[i] = contact_power.row(row).mean() / (square * run.taper.squaredNorm());
     }
+    whiteners_.reserve(spectra.binCount());
     const Eigen::Index every = std::max<Eigen::Index>(1, spectra.binCount() / kSamples);
     for (Eigen::Index b = 0; b < spectra.binCount(); ++b) {
         const double w = spectra.angular(b);
@@ -261,6 +262,7 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
         whiteners_.push_back(lower.triangularView<Eigen::Lower>().solve(one));
         for (int i = 0; i < 6; ++i)
             if (freedom[i] == 0) whiteners_.back()(i, i) = 0;  // its equation says nothing
+        if (!with_columns) continue;
         const Matrix12c& inverse = whiteners_.back();
         regressors_.push_back(PA * inverse.adjoint());
         motions_.push_back(inverse * A);
