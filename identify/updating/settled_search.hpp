@@ -56,11 +56,12 @@ private:
         TestProblem::Memento memento;
     };
 
-    Settled settle(const Standing& standing, const HypothesisSet& set, const Eigen::VectorXd& target);
-    Settled settleFurther(const Settled& begun);
+    Settled settle(const Settled& present, const HypothesisSet& set, const Eigen::VectorXd& target);
+    TestPoint findStart(const Settled& present, const HypothesisSet& set, const Eigen::VectorXd& target) const;
+    Settled settleFurther(const Settled& begun, const Settled& present);
     double calcCostAt(const TestPoint& point) const;
     Settled assess(SetState state) const;
-    bool isPossibleAnswer(const SetState& state) const;
+    bool isPossibleAnswer(const HypothesisSet& set, const TestPoint& point) const;
     bool mayBeTried(const HypothesisSet& set, const Standing& standing) const;
     bool carriesItsCauses(const Settled& next, const Settled& present) const;
 
