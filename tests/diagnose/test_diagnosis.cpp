@@ -100,6 +100,17 @@ TEST_CASE("A hidden body parameter is found", "[diagnose]") {
     });
 }
 
+// Half way there the bracket's equation leaves more than at the believed place.
+TEST_CASE("A centre of gravity that lies far off is found", "[diagnose]") {
+    test::drawUntilClear([](std::uint64_t seed) {
+        std::mt19937_64 random(seed);
+        const auto model = makeExactDevice(random);
+        const double off = std::uniform_real_distribution<double>(0.10, 0.16)(random);
+        return findHidden(model, "body.center_of_gravity.z", model.body.center_of_gravity.z() + off, "cog_offset", "z",
+                          0.002, random);
+    });
+}
+
 TEST_CASE("A hidden parameter of a connection is found", "[diagnose]") {
     test::drawUntilClear([](std::uint64_t seed) {
         std::mt19937_64 random(seed);
