@@ -119,22 +119,6 @@ namespace {
 constexpr const char* required_header = "frequency [Hz],damping_ratio,ux,uy,uz,rx,ry,rz,load.ux,load.uy,load.uz";
 constexpr const char* base_header = ",base.ux,base.uy,base.uz";
 
-std::string_view trim(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::vector<std::string_view> splitCells(std::string_view line) {
-    std::vector<std::string_view> cells;
-    while (true) {
-        const auto comma = line.find(',');
-        cells.push_back(trim(line.substr(0, comma)));
-        if (comma == std::string_view::npos) return cells;
-        line.remove_prefix(comma + 1);
-    }
-}
-
 /// The beginning of a text, for a message.
 std::string quote(std::string_view text) {
     constexpr std::size_t longest = 60;
@@ -171,9 +155,9 @@ std::vector<BracketMode> parseBracketModes(std::string_view text, const std::str
     if (text.substr(0, byte_order_mark.size()) == byte_order_mark) text.remove_prefix(byte_order_mark.size());
 
     const std::string accepted_header = std::string(required_header) + ", optionally followed by " + base_header;
-    const std::vector<std::string_view> required = splitCells(required_header);
+    const std::vector<std::string_view> required = splitCells(required_header, ',');
     std::vector<std::string_view> columns = required;
-    for (const std::string_view name : splitCells(base_header + 1)) columns.push_back(name);
+    for (const std::string_view name : splitCells(base_header + 1, ',')) columns.push_back(name);
 
     std::vector<std::string_view> header;
     std::vector<BracketMode> modes;
@@ -182,7 +166,7 @@ std::vector<BracketMode> parseBracketModes(std::string_view text, const std::str
         const std::string_view line = trim(text.substr(0, end));
         text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
         if (line.empty() || line.front() == '#') continue;
-        const std::vector<std::string_view> cells = splitCells(line);
+        const std::vector<std::string_view> cells = splitCells(line, ',');
         if (header.empty()) {
             const bool known = cells == required || cells == columns;
             if (!known) throw InputError({file, line_number, "header"}, "is " + quote(line), accepted_header);

@@ -15,23 +15,17 @@ namespace wems {
 
 namespace {
 
-std::string_view trim(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r\"");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t\r\"") - first + 1);
-}
+constexpr std::string_view kOuter = " \t\r\"";  // of a cell
 
-std::vector<std::string_view> splitCells(std::string_view line) {
-    std::vector<std::string_view> cells;
+/// By the first of these that the line has; spaces may be several.
+std::vector<std::string_view> splitLine(std::string_view line) {
     for (const char separator : {',', ';', '\t', ' '}) {
         if (line.find(separator) == std::string_view::npos) continue;
-        while (true) {
-            const auto at = line.find(separator);
-            const std::string_view cell = trim(line.substr(0, at));
-            if (separator != ' ' || !cell.empty()) cells.push_back(cell);
-            if (at == std::string_view::npos) return cells;
-            line.remove_prefix(at + 1);
-        }
+        std::vector<std::string_view> cells = splitCells(line, separator, kOuter);
+        if (separator == ' ')
+            cells.erase(std::remove_if(cells.begin(), cells.end(), [](const auto& cell) { return cell.empty(); }),
+                        cells.end());
+        return cells;
     }
     return {line};
 }
@@ -63,9 +57,9 @@ std::vector<TextRow> splitTextRows(std::string_view text) {
     std::vector<TextRow> rows;
     for (long line_number = 1; !text.empty(); ++line_number) {
         const auto end = text.find('\n');
-        const std::string_view line = trim(text.substr(0, end));
+        const std::string_view line = trim(text.substr(0, end), kOuter);
         text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-        if (!line.empty() && line.front() != '#') rows.push_back({line_number, line, splitCells(line)});
+        if (!line.empty() && line.front() != '#') rows.push_back({line_number, line, splitLine(line)});
     }
     return rows;
 }

@@ -24,4 +24,20 @@ std::string joinWords(const std::vector<std::string>& words, const std::string& 
     return text;
 }
 
+std::string_view trim(std::string_view text, std::string_view outer) {
+    const auto first = text.find_first_not_of(outer);
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(outer) - first + 1);
+}
+
+std::vector<std::string_view> splitCells(std::string_view line, char separator, std::string_view outer) {
+    std::vector<std::string_view> cells;
+    while (true) {
+        const auto end = line.find(separator);
+        cells.push_back(trim(line.substr(0, end), outer));
+        if (end == std::string_view::npos) return cells;
+        line.remove_prefix(end + 1);
+    }
+}
+
 }  // namespace wems

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace wems {
@@ -17,5 +18,9 @@ std::string formatNumber(double value);
 std::string formatNumber(double value, int digits);
 /// `a, b, c`
 std::string joinWords(const std::vector<std::string>& words, const std::string& separator = ", ");
+/// Without the characters of `outer` at its ends.
+std::string_view trim(std::string_view text, std::string_view outer = " \t\r");
+/// The cells of a line, each trimmed; empty ones too.
+std::vector<std::string_view> splitCells(std::string_view line, char separator, std::string_view outer = " \t\r");
 
 }  // namespace wems

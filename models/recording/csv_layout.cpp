@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 #include "models/common/text_file.hpp"
 #include "models/common/units.hpp"
 #include "models/recording/column_map.hpp"
@@ -170,15 +171,12 @@ private:
             return;
         }
         const std::array<char, 5> blank = {' ', '\t', '\r', '"', layout_.separator};
-        const auto trim = [&](std::string_view text) {
-            const std::string_view outer(blank.data(), blank.size());
-            const auto first = text.find_first_not_of(outer);
-            if (first == std::string_view::npos) return std::string();
-            return std::string(text.substr(first, text.find_last_not_of(outer) - first + 1));
+        const auto bare = [&](std::string_view text) {
+            return std::string(trim(text, std::string_view(blank.data(), blank.size())));
         };
-        const std::string name = marked ? std::string(trimCsvField(key)) : trim(key);
+        const std::string name = marked ? std::string(trimCsvField(key)) : bare(key);
         if (!name.empty())
-            layout_.metadata[decodeLatin1(name)] = decodeLatin1(marked ? trimCsvField(value) : trim(value));
+            layout_.metadata[decodeLatin1(name)] = decodeLatin1(marked ? trimCsvField(value) : bare(value));
     }
 
     /// Rows without any number: units, or descriptions that nobody here needs.

@@ -6,15 +6,12 @@
 #include <limits>
 
 #include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 
 namespace wems {
 namespace {
 
-std::string_view trim(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r\f");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t\r\f") - first + 1);
-}
+constexpr std::string_view kOuter = " \t\r\f";  // of a field
 
 /// One row of numbers, taken apart in place.
 class RowParser {
@@ -84,7 +81,7 @@ std::vector<std::string_view> splitFields(std::string_view line) {
     if (line.find('\t') != std::string_view::npos) {
         for (std::size_t start = 0;;) {
             const auto tab = line.find('\t', start);
-            fields.push_back(trim(line.substr(start, tab == std::string_view::npos ? tab : tab - start)));
+            fields.push_back(trim(line.substr(start, tab == std::string_view::npos ? tab : tab - start), kOuter));
             if (tab == std::string_view::npos) return fields;
             start = tab + 1;
         }
@@ -93,7 +90,7 @@ std::vector<std::string_view> splitFields(std::string_view line) {
         start = line.find_first_not_of(' ', start);
         if (start == std::string_view::npos) return fields;
         const auto end = line.find(' ', start);
-        fields.push_back(trim(line.substr(start, end == std::string_view::npos ? end : end - start)));
+        fields.push_back(trim(line.substr(start, end == std::string_view::npos ? end : end - start), kOuter));
         if (end == std::string_view::npos) return fields;
         start = end;
     }
@@ -113,8 +110,8 @@ std::vector<std::vector<double>> readNumberRows(LineCursor& lines, std::size_t c
     RowParser parser(file, columns);
     for (std::size_t rows = 0; rows < most && !lines.atEnd(); ++rows) {
         const auto line = lines.take();
-        if (trim(line).empty()) {
-            if (trim(lines.rest()).find_first_not_of('\n') == std::string_view::npos) {
+        if (trim(line, kOuter).empty()) {
+            if (trim(lines.rest(), kOuter).find_first_not_of('\n') == std::string_view::npos) {
                 lines.skip(lines.rest().size());
                 break;
             }

@@ -59,6 +59,14 @@ TEST_CASE("formatNumber: shortest text that reads back, or so many digits") {
     CHECK(joinWords({"a", "b"}, " + ") == "a + b");
 }
 
+TEST_CASE("splitCells: every cell, trimmed") {
+    CHECK(splitCells(" a ,, b c\r", ',') == std::vector<std::string_view>{"a", "", "b c"});
+    CHECK(splitCells("", ',') == std::vector<std::string_view>{""});
+    CHECK(splitCells("\"a\";b;", ';', " \"") == std::vector<std::string_view>{"a", "b", ""});
+    CHECK(trim(" \t ").empty());
+    CHECK(trim("xxaxbxx", "x") == "axb");
+}
+
 TEST_CASE("table: first column to the left, others to the right, letters and not bytes counted") {
     Table table({"name", "value"});
     table.addRow({"µ", "1"});
