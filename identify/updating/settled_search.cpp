@@ -54,7 +54,7 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
     std::vector<RankedSet> ranked{{best.state.set, best.log_evidence}};
     for (std::size_t i = 0; i < tried.size(); ++i) {
         problem_.adopt(tried[i].state.set);
-        if (i < kFurtherSets) tried[i] = settleFurther(tried[i], present);
+        if (i < kFurtherSets) tried[i] = settleFurther(tried[i], present, best);
         const bool possible = isPossibleAnswer(tried[i].state.set, tried[i].state.point);
         problem_.restore(before);
         if (!possible) continue;
@@ -137,9 +137,15 @@ SettledSearch::Settled SettledSearch::settle(const Settled& present, const Hypot
     return std::move(*best);
 }
 
-/// Of a set that is adopted.
-SettledSearch::Settled SettledSearch::settleFurther(const Settled& begun, const Settled& present) {
+SettledSearch::Settled SettledSearch::settleFurther(const Settled& begun, const Settled& present, const Settled& best) {
     SetState state = begun.state;
+    // Sets share numbers: where another one led may be nearer.
+    TestPoint shared = problem_.reduce(best.state.point, state.set);
+    if (best.state.set != present.state.set &&
+        calcCostAt(shared) < settler_.calcCost(sumOf(state.view, true), begun.misfits)) {
+        state.point = std::move(shared);
+        state.view = problem_.view(state.point, state.set);
+    }
     settler_.settle(state, kSettlingSteps - kFirstSteps, true);
     Settled own = assess(std::move(state));
     constexpr std::size_t mount = indexOf(Block::mount), bracket = indexOf(Block::bracket);

@@ -58,7 +58,8 @@ private:
 
     Settled settle(const Settled& present, const HypothesisSet& set, const Eigen::VectorXd& target);
     TestPoint findStart(const Settled& present, const HypothesisSet& set, const Eigen::VectorXd& target) const;
-    Settled settleFurther(const Settled& begun, const Settled& present);
+    /// Of a set that is adopted. @param best of those that were settled so far
+    Settled settleFurther(const Settled& begun, const Settled& present, const Settled& best);
     double calcCostAt(const TestPoint& point) const;
     Settled assess(SetState state) const;
     bool isPossibleAnswer(const HypothesisSet& set, const TestPoint& point) const;
