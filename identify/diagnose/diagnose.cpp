@@ -26,9 +26,8 @@ std::optional<Diagnosis> diagnoseWithTolerances(const std::vector<Recording>& id
 }
 
 /// Whether all equations leave noise alone, whatever a sensitive prediction makes of what is not known.
-bool isSatisfied(const Diagnosis& adjusted) {
-    const std::vector<double>& misfit = adjusted.decisions.back().misfit;
-    return std::all_of(misfit.begin(), misfit.end(), [](double own) { return own < updating::kSatisfied; });
+bool satisfiesEquations(const Diagnosis& diagnosis) {
+    return updating::isSatisfied(diagnosis.decisions.back().misfit);
 }
 
 /// A verdict never contradicts its figures: where the simulation errs by as much as one in which nothing moves, the
@@ -53,14 +52,14 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
     Diagnosis exact = checkVerdict(
         updating::updateModel(identification, validation, model, updating::Numbers::exact, options), model);
     // What it accuses must satisfy the equations: small errors everywhere find something to accuse.
-    const bool answers = exact.causes.empty() || isSatisfied(exact);
+    const bool answers = exact.causes.empty() || satisfiesEquations(exact);
     if (exact.verdict != Diagnosis::Verdict::unexplained && (answers || isExactlyKnown(model))) return exact;
     auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
     if (adjusted) adjusted = checkVerdict(std::move(*adjusted), model);
     // Where neither satisfies the equations, the prediction decides between two answers of one kind; an answer that
     // explains stands before one that does not.
     const auto explains = [](const Diagnosis& own) { return own.verdict != Diagnosis::Verdict::unexplained; };
-    if (!adjusted || (!isSatisfied(*adjusted) && explains(exact) >= explains(*adjusted) &&
+    if (!adjusted || (!satisfiesEquations(*adjusted) && explains(exact) >= explains(*adjusted) &&
                       exact.error_after.validation <= adjusted->error_after.validation))
         return exact;
     return std::move(*adjusted);

@@ -21,11 +21,6 @@ constexpr std::size_t kShown = 8;                     // candidates of a round t
 constexpr int kMostSettling = 16, kMostRefining = 3;  // Gauss–Newton steps
 constexpr std::size_t kTried = 8;                     // sets of a round that are judged where they lead
 constexpr int kMostAttempts = 3;                      // of those, sets that are settled and simulated
-constexpr double kUnlikely = 5;  // log evidence below the present set's: what is less likely by far is not tried
-// Of the error of the prediction: a cause that changes it by less is of no use to who reads it. On recordings of
-// another simulator true causes changed it by 13 % and more, a mode far above the sweep that was off by noise alone by
-// 1 %.
-constexpr double kWorth = 0.05;
 /// Probability of lying beyond that satisfied equations must give a number which unsatisfied ones pull at: of the
 /// numbers that they hardly know, one in twenty comes out so by chance.
 constexpr double kSure = 0.95;
@@ -261,7 +256,7 @@ private:
         const Information all = sumOf(next.view, true);
         const Eigen::VectorXd with = problem_.estimateOf(next.point);
         const std::vector<double> misfits = calcMisfits(all, with);
-        if (std::all_of(misfits.begin(), misfits.end(), [](double own) { return own < kSatisfied; })) return true;
+        if (isSatisfied(misfits)) return true;
         if (updating::takesHalf(all, with, problem_.estimateOf(holdBack(problem_, next, hypothesis, evidence))))
             return true;
         // From what is believed, where nothing has been pulled yet.

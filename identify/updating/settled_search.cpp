@@ -16,9 +16,7 @@ constexpr int kFirstSteps = 4;           // … so far, all of them …
 constexpr std::size_t kFurtherSets = 3;  // … and so many to their end
 constexpr int kSettlingSteps = 16;       // of Gauss and Newton
 
-constexpr double kNoWorse = 1.05;  // of a prediction's error, as with tolerances (selection.cpp, kWorth)
-constexpr double kUnlikely = 5;    // log evidence below the present set's: not even a rival (selection.cpp)
-constexpr double kBeyond = 1.96;   // standard deviations of a misfit: less is noise, which any number may halve
+constexpr double kBeyond = 1.96;  // standard deviations of a misfit: less is noise, which any number may halve
 
 }  // namespace
 
@@ -28,8 +26,7 @@ SettledSearch::SettledSearch(TestProblem& problem, const Settler& settler, const
 bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
                              std::string& action) {
     const Settled present = assess(standing.state);
-    const bool satisfied =
-        std::all_of(present.misfits.begin(), present.misfits.end(), [](double misfit) { return misfit < kSatisfied; });
+    const bool satisfied = isSatisfied(present.misfits);
     const double least = evidence.calcLogEvidence(present.state.set) - kUnlikely;
     std::vector<std::string> known{signatureOf(problem_, present.state.set)};
     std::vector<Settled> tried;
@@ -83,7 +80,7 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
     }
     problem_.adopt(best.state.set);
     const FreeError judged = judge_(best.state.point, best.state.set);
-    if (!isWorthExplaining(standing.judged) && judged.error > kNoWorse * standing.judged.error) {
+    if (!isWorthExplaining(standing.judged) && judged.error > (1 + kWorth) * standing.judged.error) {
         problem_.restore(before);
         standing.ranked = {{present.state.set, present.log_evidence}};
         action = "a fault of sensors is not taken: the prediction is worse with it";

@@ -74,6 +74,10 @@ Eigen::VectorXd calcPriorSlope(const TestProblem& problem, const Eigen::VectorXd
 
 }  // namespace
 
+bool isSatisfied(const std::vector<double>& misfits) {
+    return std::all_of(misfits.begin(), misfits.end(), [](double misfit) { return misfit < kSatisfied; });
+}
+
 Information sumOf(const TestView& view, bool with_validation) {
     Information all = view.identification;
     if (with_validation) add(all, view.validation);

@@ -14,6 +14,9 @@ namespace wems::identify::updating {
 /// 0.9 to 2.1 on recordings of another simulator whose cause is known.
 inline constexpr double kSatisfied = 3;
 
+/// Whether no block leaves so much.
+bool isSatisfied(const std::vector<double>& misfits);
+
 /// A set of causes, where its numbers lie, and what all runs say about that point.
 struct SetState {
     HypothesisSet set;

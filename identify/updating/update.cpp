@@ -113,8 +113,7 @@ private:
     /// Contract, section 6: more than band, noise and what is worth naming. The band of a run that amplifies small
     /// differences is wide; it excuses nothing where the equations of motion are not satisfied either.
     bool isLeft(double error) const {
-        const auto& misfit = selection_.decisions.back().misfit;
-        const bool satisfied = std::all_of(misfit.begin(), misfit.end(), [](double own) { return own < kSatisfied; });
+        const bool satisfied = isSatisfied(selection_.decisions.back().misfit);
         return (!(error <= result_.prediction_band) || !satisfied) &&
                isWorthExplaining({error, result_.noise_floor.validation});
     }
