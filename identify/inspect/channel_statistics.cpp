@@ -9,8 +9,8 @@
 namespace wems::identify {
 namespace {
 
-constexpr double tail_power = 0.005;  // on each side of the band
-constexpr int segment = 16384;        // samples
+constexpr double kTailPower = 0.005;  // on each side of the band
+constexpr int kSegment = 16384;       // samples
 
 void findBand(ChannelStatistics& statistics) {
     const Spectrum& spectrum = statistics.spectrum;
@@ -20,9 +20,9 @@ void findBand(ChannelStatistics& statistics) {
     statistics.band_from = -1;
     for (Eigen::Index i = 0; i < spectrum.density.size(); ++i) {
         sum += spectrum.density[i];
-        if (statistics.band_from < 0 && sum > tail_power * total) statistics.band_from = spectrum.frequency[i];
+        if (statistics.band_from < 0 && sum > kTailPower * total) statistics.band_from = spectrum.frequency[i];
         statistics.band_to = spectrum.frequency[i];
-        if (sum > (1 - tail_power) * total) return;
+        if (sum > (1 - kTailPower) * total) return;
     }
 }
 
@@ -48,7 +48,7 @@ void ChannelLevels::add(const Channel& channel, double interval) {
     noise_power_ += count * std::pow(estimateNoiseFromSignal(signal), 2);
     noise_samples_ += count;
     if (!(interval > 0)) return;
-    Spectrum spectrum = calcSpectrum(signal, interval, segment);
+    Spectrum spectrum = calcSpectrum(signal, interval, kSegment);
     if (is_first) {
         spectrum_ = std::move(spectrum);
         spectrum_.density *= count;

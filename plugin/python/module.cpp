@@ -153,7 +153,7 @@ PYBIND11_MODULE(_simbody, module) {
     using namespace wems::python;
     py::module_::import("wems._wems");  // knows recordings and models
     py::register_exception_translator(&translateErrors);
-    py::class_<Answer>(module, "Answer")
+    py::class_<Answer>(module, "Answer", py::module_local())  // wems._wems has one of its own
         .def("json", [](const Answer& self) { return self.json; })
         .def("text", [](const Answer& self) { return self.text; })
         .def("report", [](const Answer& self, const std::string& file) { self.report(file); });
