@@ -231,9 +231,7 @@ void TestProblem::restore(const Memento& memento) {
 
 void TestProblem::seekMissingMode(const TestPoint& point, const HypothesisSet& set) {
     if (catalogue_.missing_mode < 0 || std::binary_search(set.begin(), set.end(), catalogue_.missing_mode)) return;
-    std::vector<TestRun> corrected(runs_.size());
-    runParallel(runs_.size(), [&](std::size_t r) { corrected[r] = correctRun(runs_[r], point); });
-    const auto found = findMissingMode(corrected, layout_, point.state);
+    const auto found = findMissingMode(correctRuns(point), layout_, point.state);
     if (!found) return;
     TestState with = point.state;
     with.model.bracket.back() = *found;
@@ -270,14 +268,13 @@ std::array<double, 2> TestProblem::calcDisplacementNoise(std::size_t index) cons
 }
 
 TestProblem::ExactRun TestProblem::calcExactRun(std::size_t index, const TestPoint& point) const {
-    TestRun exact = correctRun(runs_[index], point);
+    TestRun exact = point.state.sensors.isZero() ? runs_[index] : correctRun(runs_[index], point);
     const Eigen::MatrixXd relative = calcMeasuredRelative(exact.recording, exact.motion, believed_);
     return {std::move(exact.motion), relative};
 }
 
 TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point) const {
     TestRun corrected = run;
-    if (point.state.sensors.isZero()) return corrected;
     corrected.recording = correctSensors(run.recording, layout_, point.state.sensors, run.band.lowest, &run.motion);
     corrected.motion = estimateMotion(corrected.recording, believed_, ContactEdges::filtered);
     // Taking a gain off a channel takes it off the channel's noise.
@@ -290,10 +287,22 @@ TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point) cons
     return corrected;
 }
 
+const std::vector<TestRun>& TestProblem::correctRuns(const TestPoint& point) const {
+    const SensorErrors& errors = point.state.sensors;
+    if (errors.isZero()) return runs_;
+    if (!corrected_ || !(corrected_->errors == errors)) {
+        corrected_.reset();
+        std::vector<TestRun> corrected(runs_.size());
+        runParallel(runs_.size(), [&](std::size_t r) { corrected[r] = correctRun(runs_[r], point); });
+        corrected_ = CorrectedRuns{errors, std::move(corrected)};
+    }
+    return corrected_->runs;
+}
+
 TestMisfit TestProblem::misfit(const TestPoint& point) const {
-    std::vector<Information> own(runs_.size());
-    runParallel(runs_.size(),
-                [&](std::size_t r) { own[r] = calcMisfit(correctRun(runs_[r], point), layout_, point.state); });
+    const std::vector<TestRun>& runs = correctRuns(point);
+    std::vector<Information> own(runs.size());
+    runParallel(runs.size(), [&](std::size_t r) { own[r] = calcMisfit(runs[r], layout_, point.state); });
     TestMisfit sum;
     for (std::size_t r = 0; r < own.size(); ++r)
         add(r < identification_count_ ? sum.identification : sum.validation, own[r]);
@@ -320,10 +329,10 @@ TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set) con
 TestView TestProblem::view(const TestPoint& point, const ColumnSet& columns) const {
     TestView result;
     result.at = point;
-    result.runs.resize(runs_.size());
-    runParallel(runs_.size(), [&](std::size_t r) {
-        result.runs[r] = linearise(correctRun(runs_[r], point), layout_, columns, point.state);
-    });
+    const std::vector<TestRun>& runs = correctRuns(point);
+    result.runs.resize(runs.size());
+    runParallel(runs.size(),
+                [&](std::size_t r) { result.runs[r] = linearise(runs[r], layout_, columns, point.state); });
     Eigen::VectorXd offset = -estimateOf(point);
     for (std::size_t r = 0; r < runs_.size(); ++r)
         add(r < identification_count_ ? result.identification : result.validation,

@@ -104,8 +104,10 @@ private:
     bool isAdopted(int hypothesis) const;
     /// Prior standard deviation of a row outside all hypotheses.
     double deviationOf(const Unknown& row) const;
-    /// A run as exact sensors would have recorded it.
+    /// A run as exact sensors would have recorded it, where they err.
     TestRun correctRun(const TestRun& run, const TestPoint& point) const;
+    /// All of them; the last ones are kept, since a step's columns follow its misfit. Not to be called by two threads.
+    const std::vector<TestRun>& correctRuns(const TestPoint& point) const;
 
     MountModel believed_;
     SensorLayout layout_;
@@ -116,6 +118,11 @@ private:
     UnknownTable table_;
     Catalogue catalogue_;
     Memento pristine_;  // before any adoption
+    struct CorrectedRuns {
+        SensorErrors errors;
+        std::vector<TestRun> runs;
+    };
+    mutable std::optional<CorrectedRuns> corrected_;
 };
 
 }  // namespace wems::identify::updating
