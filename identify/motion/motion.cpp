@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "identify/motion/guided_part_motion.hpp"
+#include "identify/motion/parallel.hpp"
 #include "identify/motion/part_motion.hpp"
 #include "models/common/error.hpp"
 #include "models/mount_forces.hpp"
@@ -173,10 +174,17 @@ RunMotion estimateMotion(const Recording& recording, const MountModel& model, Co
         base = estimateTranslation(uniform, run.base, fixed_rest);
         run.base_displacement = base->motion.p.colwise() - fixed_rest.p_GM;
     }
-    PartEstimate fixed = estimateFixed(uniform, model, base ? &*base : nullptr, run, fixed_rest, edges);
-    const bool guided = model.body.free != MobileBody().free;
-    PartEstimate mobile = guided ? estimateGuided(uniform, model, Part::mobile, equilibrium.mobile, fixed.motion)
-                                 : estimatePart(uniform, model, Part::mobile, equilibrium.mobile, edges);
+    PartEstimate fixed, mobile;
+    const auto findFixed = [&] {
+        fixed = estimateFixed(uniform, model, base ? &*base : nullptr, run, fixed_rest, edges);
+    };
+    if (model.body.free == MobileBody().free) {
+        runParallel(
+            {findFixed, [&] { mobile = estimatePart(uniform, model, Part::mobile, equilibrium.mobile, edges); }});
+    } else {
+        findFixed();
+        mobile = estimateGuided(uniform, model, Part::mobile, equilibrium.mobile, fixed.motion);
+    }
     run.mobile_trusted_from = mobile.trusted_from;
     run.fixed_trusted_from = fixed.trusted_from;
     run.trusted_from = std::max(mobile.trusted_from, fixed.trusted_from);

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <initializer_list>
 
 namespace wems::identify {
 
@@ -12,5 +13,9 @@ namespace wems::identify {
 /// their own are the same whatever the number of threads.
 /// @throws what one of the pieces that failed threw; pieces that had not begun are left out then
 void runParallel(std::size_t count, const std::function<void(std::size_t)>& work);
+
+/// Each of the pieces once, likewise.
+/// @throws what the first of those that failed threw
+void runParallel(std::initializer_list<std::function<void()>> pieces);
 
 }  // namespace wems::identify

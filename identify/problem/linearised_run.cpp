@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "identify/motion/parallel.hpp"
 #include "identify/problem/column_noise.hpp"
 #include "identify/problem/lineariser.hpp"
 #include "identify/problem/mount_equation.hpp"
@@ -268,37 +269,49 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
     const auto modes = at.hasBracket() ? static_cast<int>(state.model.bracket.size()) : 0;
     const Eigen::Index extra = 2 * modes;
     ColumnMaker maker(at, columns, state, extra);
-    maker.makeTable();
-    maker.makeProbes();
-    for (int j = 0; j < modes; ++j)
-        for (int sine = 0; sine < 2; ++sine)
-            maker.addBracket(columns.size() + 2 * j + sine, at.calcTransient(j, sine != 0));
-    LinearisedRun result;
-    const SensorColumns sensors(run, layout, at.run(), at.spectra(), at.motionNoise(), *columns.table, columns.wanted);
+    std::optional<SensorColumns> sensors;
+    runParallel({[&] {
+                     maker.makeTable();
+                     maker.makeProbes();
+                     for (int j = 0; j < modes; ++j)
+                         for (int sine = 0; sine < 2; ++sine)
+                             maker.addBracket(columns.size() + 2 * j + sine, at.calcTransient(j, sine != 0));
+                 },
+                 [&] {
+                     sensors.emplace(run, layout, at.run(), at.spectra(), at.motionNoise(), *columns.table,
+                                     columns.wanted);
+                 }});
     for (std::size_t i = 0; i < columns.table->size(); ++i) {
-        const SensorEffect effect = sensors.calcEffect(i, at.inContact());
+        const SensorEffect effect = sensors->calcEffect(i, at.inContact());
         if (effect.changes.empty()) continue;
         maker.addWhite(i, at.calcMotionColumn(effect));
         maker.setNoise(i, effect);
     }
-    auto& mount = result.information[indexOf(Block::mount)];
-    mount = maker.mount().calcInformation(unfold(at.residual().topRows(6)));
-    mount.count *= calcFreedom(state.model.body).mean();
-    mount.A = mount.A.topLeftCorner(columns.size(), columns.size()).eval();
-    mount.b = mount.b.head(columns.size()).eval();
-    mount.noise_slopes = maker.calcNoiseSlopes(false).topRows(columns.size());
-    mount.noise = maker.calcNoiseProducts(false);
-    mount.scatter = maker.calcScatter(columns.size());
-    if (at.hasBracket()) {
+    LinearisedRun result;
+    const auto informMount = [&] {
+        auto& mount = result.information[indexOf(Block::mount)];
+        mount = maker.mount().calcInformation(unfold(at.residual().topRows(6)));
+        mount.count *= calcFreedom(state.model.body).mean();
+        mount.A = mount.A.topLeftCorner(columns.size(), columns.size()).eval();
+        mount.b = mount.b.head(columns.size()).eval();
+        mount.noise_slopes = maker.calcNoiseSlopes(false).topRows(columns.size());
+        mount.noise = maker.calcNoiseProducts(false);
+        mount.scatter = maker.calcScatter(columns.size());
+    };
+    const auto informBracket = [&] {
+        if (!at.hasBracket()) return;
         auto& bracket = result.information[indexOf(Block::bracket)];
         bracket = maker.bracket().calcInformation(unfold(at.residual().bottomRows(6)));
         marginalise(bracket, extra, calcTransientPrecision(at, state.model));
         bracket.noise_slopes = maker.calcNoiseSlopes(true).topRows(columns.size());
         bracket.noise = maker.calcNoiseProducts(true);
-    }
-    for (const Part part : {Part::mobile, Part::fixed})
+    };
+    const auto informSensors = [&](Part part) {
         result.information[indexOf(part == Part::mobile ? Block::mobile_sensors : Block::fixed_sensors)] =
-            sensors.calcInformation(part, columns.size());
+            sensors->calcInformation(part, columns.size());
+    };
+    runParallel(
+        {informMount, informBracket, [&] { informSensors(Part::mobile); }, [&] { informSensors(Part::fixed); }});
     result.mount_residual = at.residual().topRows(6);
     for (std::size_t c = 0; c < state.model.connections.size(); ++c)
         for (int a = 0; a < 3; ++a)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/motion/parallel.hpp"
 #include "identify/problem/fourier.hpp"
 #include "identify/problem/noise_density.hpp"
 #include "models/bryant.hpp"
@@ -206,8 +207,8 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
     const SmoothingKernel kernel = makeKernel(run.interval, band);
     const int step = findDecimation(run.interval, band);
     result.interval = run.interval * step;
-    result.mobile = smooth(run.mobile, kernel, step);
-    result.fixed = smooth(run.fixed, kernel, step);
+    runParallel({[&] { result.mobile = smooth(run.mobile, kernel, step); },
+                 [&] { result.fixed = smooth(run.fixed, kernel, step); }});
     calcRelative(model, result.mobile, result.fixed, result.q, result.v);
     result.quiet_v = removeVelocityNoise(result.v, velocityNoiseFrame(result.interval, band.lowest), result.interval,
                                          calcVelocityDensity(run, model, band, result.interval, run.trusted_from));
