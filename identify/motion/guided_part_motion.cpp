@@ -136,9 +136,10 @@ private:
 class GuidedEstimator : PartEstimator {
 public:
     GuidedEstimator(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest,
-                    const PartMotion& reference)
+                    const PartMotion& reference, ContactEdges edges = ContactEdges::sampled)
         : PartEstimator(recording, part),
           reference_(reference),
+          edges_(edges),
           samples_(recording.sampleCount()),
           guide_(model.body),
           displacement_(collectChannels(recording, model, part, Derivative::displacement), guide_, rest),
@@ -242,7 +243,8 @@ private:
                 const Eigen::Index c = j;
                 const FusedSignal fused = fuseDisplacementAndAcceleration(
                     measured.row(i).transpose(), x_noise * std::sqrt(displacement_.covariance()(c, c)),
-                    second_.row(i).transpose(), a_noise * std::sqrt(acceleration_.covariance()(c, c)), interval_);
+                    second_.row(i).transpose(), a_noise * std::sqrt(acceleration_.covariance()(c, c)), interval_,
+                    edges_);
                 s_.row(i) = fused.x.transpose();
                 rate_.row(i) = fused.v.transpose();
             }
@@ -307,6 +309,7 @@ private:
     }
 
     const PartMotion& reference_;
+    ContactEdges edges_;
     Eigen::Index samples_;
     GuidedMotion guide_;
     GuidedFit displacement_;
@@ -318,8 +321,8 @@ private:
 }  // namespace
 
 PartEstimate estimateGuided(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest,
-                            const PartMotion& reference) {
-    return GuidedEstimator(recording, model, part, rest, reference).estimate();
+                            const PartMotion& reference, ContactEdges edges) {
+    return GuidedEstimator(recording, model, part, rest, reference, edges).estimate();
 }
 
 bool determinesGuided(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest) {

@@ -13,7 +13,7 @@ namespace wems::identify {
 /// @param reference motion of the frame that the held motions are fixed to: the fixed part, or standstill
 /// @throws InputError if neither displacements nor accelerations determine the free motions, naming those left open.
 PartEstimate estimateGuided(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest,
-                            const PartMotion& reference);
+                            const PartMotion& reference, ContactEdges edges = ContactEdges::sampled);
 
 /// True if displacement, velocity or acceleration channels of this part determine the free motions.
 bool determinesGuided(const Recording& recording, const MountModel& model, Part part, const BodyMotion& rest);

@@ -135,7 +135,7 @@ PartEstimate estimateFixed(const Recording& recording, const MountModel& model, 
         const bool follows_base = base != nullptr && model.bracket.empty();
         if (all_six || (!guided && !follows_base)) return estimatePart(recording, model, Part::fixed, rest, edges);
         if (guided && (!follows_base || determinesGuided(recording, model, Part::fixed, rest)))
-            return estimateGuided(recording, model, Part::fixed, rest, makeStandstill(rest, run.time.size()));
+            return estimateGuided(recording, model, Part::fixed, rest, makeStandstill(rest, run.time.size()), edges);
     }
     if (!model.bracket.empty())
         throw InputError({recording.file, 0, "fixed"},
@@ -183,7 +183,7 @@ RunMotion estimateMotion(const Recording& recording, const MountModel& model, Co
             {findFixed, [&] { mobile = estimatePart(uniform, model, Part::mobile, equilibrium.mobile, edges); }});
     } else {
         findFixed();
-        mobile = estimateGuided(uniform, model, Part::mobile, equilibrium.mobile, fixed.motion);
+        mobile = estimateGuided(uniform, model, Part::mobile, equilibrium.mobile, fixed.motion, edges);
     }
     run.mobile_trusted_from = mobile.trusted_from;
     run.fixed_trusted_from = fixed.trusted_from;
