@@ -52,7 +52,7 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
     Diagnosis exact = checkVerdict(
         updating::updateModel(identification, validation, model, updating::Numbers::exact, options), model);
     // What it accuses must satisfy the equations: small errors everywhere find something to accuse.
-    const bool answers = exact.causes.empty() || satisfiesEquations(exact);
+    const bool answers = exact.causes.empty() || (satisfiesEquations(exact) && !exact.asks_for_more);
     if (exact.verdict != Diagnosis::Verdict::unexplained && (answers || isExactlyKnown(model))) return exact;
     auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
     if (adjusted) adjusted = checkVerdict(std::move(*adjusted), model);

@@ -23,10 +23,9 @@ constexpr double kOfPass = 0.9;       // and of the low pass
 }  // namespace
 
 Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state, Purpose purpose)
-    : test_(test),
-      model_(state.model),
-      open_(makeRun()),
-      slow_(open_.integrated() && open_.lowest > 0 ? std::make_unique<SlowBalance>(open_, model_) : nullptr),
+    : model_(state.model),
+      open_(makeOpenLoopRun(test.motion, model_, test.band, test.swept.hertz)),
+      slow_(followSlowMotion(open_, model_)),
       with_bracket_(BracketEquation::isAvailable(open_, model_)),
       spectra_(open_, std::max(kCountedFrom * test.band.lowest, slow_ ? slow_->highestBalanced() : open_.lowest),
                std::min(kCountedTo * test.band.highest, kOfPass * open_.pass)),
@@ -294,12 +293,6 @@ double Lineariser::calcContactShare() const {
         if (contact) inside += power;
     }
     return all > 0 ? inside / all : 0;
-}
-
-OpenLoopRun Lineariser::makeRun() const {
-    OpenLoopRun run = makeOpenLoopRun(test_.motion, model_, test_.band, test_.swept.hertz);
-    followSlowMotion(run, model_);
-    return run;
 }
 
 void Lineariser::calcResiduals() {

@@ -92,13 +92,10 @@ private:
     };
     Modal makeModal(const BracketMode& mode) const;
 
-    OpenLoopRun makeRun() const;
-
     void calcResiduals();
     /// What the columns need beyond the residual.
     void prepareColumns();
 
-    const TestRun& test_;
     const MountModel& model_;
     OpenLoopRun open_;
     std::unique_ptr<SlowBalance> slow_;

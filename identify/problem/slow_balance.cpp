@@ -41,20 +41,24 @@ SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model)
             for (Eigen::Index k = 0; k < samples; ++k) tangent_[k] += force.calcStaticStiffness(run.q(row, k)) * along;
         }
     for (Matrix6& own : tangent_) holdMotions(own, freedom_, stiffest);
+    // Of each pair of splines: the sum of w w K, and the factors of M and of `least`.
     std::vector<Matrix6> blocks(4 * splines_, Matrix6::Zero());
+    std::vector<double> inertial(blocks.size(), 0.0), held(blocks.size(), 0.0);
     for (Eigen::Index k = 0; k < samples; ++k) {
         const auto weights = calcWeights(k);
         const Matrix6& K = tangent_[k];
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j <= i; ++j) {
+                const auto pair = 4 * static_cast<std::size_t>(weights.first + i) + static_cast<std::size_t>(i - j);
+                const double both = weights.value[0][i] * weights.value[0][j];
+                blocks[pair] += taper_[k] * both * K;
                 // By parts: the splines' second derivatives become products of their first.
-                auto& block = blocks[4 * static_cast<std::size_t>(weights.first + i) + static_cast<std::size_t>(i - j)];
-                block += taper_[k] * (weights.value[0][i] * weights.value[0][j] * K -
-                                      weights.value[1][i] * weights.value[1][j] * M);
+                inertial[pair] -= taper_[k] * weights.value[1][i] * weights.value[1][j];
                 // Where the taper hides all, the motion stays as it is.
-                block += (1 - taper_[k]) * weights.value[0][i] * weights.value[0][j] * least;
+                held[pair] += (1 - taper_[k]) * both;
             }
     }
+    for (std::size_t pair = 0; pair < blocks.size(); ++pair) blocks[pair] += inertial[pair] * M + held[pair] * least;
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(144 * static_cast<std::size_t>(splines_));
     for (Eigen::Index s = 0; s < splines_; ++s)
@@ -131,8 +135,8 @@ Eigen::MatrixXd SlowBalance::balance(const Eigen::Ref<const Eigen::MatrixXd>& re
     return residual - calcForces(solve(residual));
 }
 
-void followSlowMotion(OpenLoopRun& run, const MountModel& model) {
-    if (!run.integrated() || !(run.lowest > 0)) return;
+std::unique_ptr<SlowBalance> followSlowMotion(OpenLoopRun& run, const MountModel& model) {
+    if (!run.integrated() || !(run.lowest > 0)) return nullptr;
     const auto move = [&](const SlowBalance& balance, const Eigen::VectorXd& coefficients) {
         OpenLoopRun moved = run;
         // What was measured stays: the relative motion is the same if the fixed part moves the other way.
@@ -170,8 +174,9 @@ void followSlowMotion(OpenLoopRun& run, const MountModel& model) {
             balance = std::make_unique<SlowBalance>(run, model);
             step = -balance->solve(residual);
         }
-        if (!moved_closer) return;
+        if (!moved_closer) break;
     }
+    return balance;
 }
 
 }  // namespace wems::identify

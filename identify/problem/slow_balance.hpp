@@ -19,6 +19,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
+#include <memory>
 #include <vector>
 
 #include "identify/problem/open_loop_run.hpp"
@@ -64,8 +65,8 @@ private:
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factor_;
 };
 
-/// Gives `run` the slow motion that balances the slow forces of `model`. Does nothing where displacements were
-/// measured.
-void followSlowMotion(OpenLoopRun& run, const MountModel& model);
+/// Gives `run` the slow motion that balances the slow forces of `model`.
+/// @return the balance along the motion that `run` has then; null, and nothing done, where displacements were measured
+std::unique_ptr<SlowBalance> followSlowMotion(OpenLoopRun& run, const MountModel& model);
 
 }  // namespace wems::identify

@@ -14,8 +14,8 @@ constexpr int kMostRounds = 8;
 constexpr std::size_t kBeam = 6;        // sets that a search follows
 constexpr std::size_t kMostCauses = 6;  // of one answer: more describe, they do not explain
 static_assert(kMostRounds > static_cast<int>(kMostCauses), "a cause each round, and one to see that no more follows");
-/// Causes of exact numbers, after which tolerances are asked where there are any. No drawn case had more; on a bench
-/// recording the third only took time.
+/// Causes of exact numbers, where there are tolerances: what asks for more is asked of the tolerances. No drawn case
+/// had more; on a bench recording the third only took time.
 constexpr std::size_t kMostExact = 2;
 constexpr std::size_t kShown = 8;                     // candidates of a round that its record keeps
 constexpr int kMostSettling = 16, kMostRefining = 3;  // Gauss–Newton steps
@@ -105,8 +105,10 @@ private:
         const std::vector<RankedSet> candidates = evidence.search({state_.set}, kBeam, largest);
         Decision decision = record(evidence);
         if (problem_.numbers() == Numbers::exact) {
-            if (!problem_.exactlyKnown() && state_.set.size() >= kMostExact && excess_ >= kSatisfied - 1) {
-                decision.action = "exact numbers do not satisfy the equations";
+            result_.asks_for_more = !problem_.exactlyKnown() && state_.set.size() >= kMostExact &&
+                                    (excess_ >= kSatisfied - 1 || settled_.findsMore(evidence, candidates, standing_));
+            if (result_.asks_for_more) {
+                decision.action = "exact numbers ask for more causes";
                 return conclude(decision, false);
             }
             const bool changed = settled_.takeBest(evidence, candidates, standing_, decision.action);

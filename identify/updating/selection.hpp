@@ -24,6 +24,7 @@ struct Selection {
     std::vector<Decision> decisions;
     /// Of causes that are numbers found beyond their tolerance: the probability that they are.
     std::map<int, double> beyond;
+    bool asks_for_more = false;  ///< exact numbers, though there are tolerances, would need more causes
 
     /// Probability of a hypothesis: that it lies beyond its tolerance, or over the ranked sets.
     double probabilityOf(int hypothesis) const;

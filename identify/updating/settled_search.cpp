@@ -97,6 +97,16 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
     return true;
 }
 
+bool SettledSearch::findsMore(const Evidence& evidence, const std::vector<RankedSet>& candidates,
+                              const Standing& standing) const {
+    const HypothesisSet& present = standing.state.set;
+    const double least = evidence.calcLogEvidence(present) + kUnlikely;
+    return std::any_of(candidates.begin(), candidates.end(), [&](const RankedSet& entry) {
+        return entry.members.size() > present.size() && entry.log_evidence > least &&
+               isPossibleAnswer(entry.members, problem_.pointAt(evidence.solve(entry.members).mean, entry.members));
+    });
+}
+
 void SettledSearch::finish(Standing& standing) {
     if (!ahead_) return;
     problem_.restore(ahead_->memento);

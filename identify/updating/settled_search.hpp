@@ -47,6 +47,8 @@ public:
     /// @return whether the set changed
     bool takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
                   std::string& action);
+    /// Whether a larger set is more likely by far, by the quadratic about a state that satisfies the equations.
+    bool findsMore(const Evidence& evidence, const std::vector<RankedSet>& candidates, const Standing& standing) const;
     /// Takes back a cause that was still to show that it carries its part.
     void finish(Standing& standing);
 

@@ -71,6 +71,7 @@ public:
         judge();
         addSpectrum();
         result_.decisions = selection_.decisions;
+        result_.asks_for_more = selection_.asks_for_more;
         result_.misfit_before = selection_.decisions.front().misfit.front();
         result_.misfit_after = selection_.decisions.back().misfit.front();
         return std::move(result_);
