@@ -144,6 +144,38 @@ Recording makeCoarseSweep(std::mt19937_64& random) {
     return recording;
 }
 
+/// Two displacement sensors and the accelerometer of a table that shakes at random from 5 to 50 Hz, 1 m/s² RMS on each
+/// axis: sines of any phase, too close to each other to be told apart. What the mass does is of no interest here.
+Recording makeRandomShaking(double base_noise, std::mt19937_64& random) {
+    constexpr double kDuration = 10, kRate = 1000, kFrom = 5, kTo = 50;
+    constexpr int kSines = 900;
+    std::uniform_real_distribution<double> phase(0, kTwoPi), place(0, 1);
+    std::normal_distribution<double> normal;
+    std::vector<double> frequencies, phases;
+    for (int i = 0; i < kSines; ++i) {
+        frequencies.push_back(kFrom + (kTo - kFrom) * (i + place(random)) / kSines);
+        phases.push_back(phase(random));
+    }
+    Recording recording;
+    recording.file = "random.csv";
+    Channel left{"mobile.1.z", "m", {}}, right{"mobile.2.z", "m", {}}, table{"base.az", "m/s^2", {}};
+    for (int k = 0; k <= static_cast<int>(kDuration * kRate); ++k) {
+        const double t = k / kRate;
+        double acceleration = 0, displacement = 0;
+        for (std::size_t i = 0; i < kSines; ++i) {
+            const double w = kTwoPi * frequencies[i], value = std::sqrt(2.0 / kSines) * std::cos(w * t + phases[i]);
+            acceleration += value;
+            displacement -= value / (w * w);
+        }
+        recording.time.push_back(t);
+        left.values.push_back(displacement + 1e-7 * normal(random));
+        right.values.push_back(displacement + 1e-7 * normal(random));
+        table.values.push_back(acceleration + base_noise * normal(random));
+    }
+    recording.channels = {left, right, table};
+    return recording;
+}
+
 double calcMountMisfit(const Recording& recording, const MountModel& model) {
     const TestProblem problem({recording}, {}, model);
     const std::size_t block = indexOf(Block::mount);
@@ -253,4 +285,25 @@ TEST_CASE("The sensors' quadratic of a guided device follows a gain") {
     const double ahead = misfitAt(step), here = misfitAt(0), behind = misfitAt(-step);
     CAPTURE(A, step, here / block.count);
     CHECK(ahead + behind - 2 * here == Approx(2 * A * step * step).epsilon(0.1));
+}
+
+// A random drive is never quiet: told from its quietest quarter, the noise was the drive itself, a hundred times as
+// much.
+TEST_CASE("The noise of a table that shakes at random is told from beyond the band") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    MountModel model = makeGuidedDevice();
+    model.load_point.reset();
+    constexpr double kNoise = 0.01;
+    const TestProblem problem({makeRandomShaking(kNoise, random)}, {}, model);
+    const TestRun& run = problem.runs().front();
+    REQUIRE_FALSE(run.swept.is_sine);
+    for (std::size_t g = 0; g < problem.layout().groups.size(); ++g) {
+        if (problem.layout().groups[g].part != Part::fixed) continue;
+        for (const double frequency : {6.0, 20.0, 45.0}) {
+            CAPTURE(frequency);
+            CHECK(std::sqrt(run.noise[g].at(frequency)) == Approx(kNoise).epsilon(0.1));
+        }
+    }
 }
