@@ -1,0 +1,95 @@
+// A round among exact numbers: what asks for a cause, and that the best set is taken where it is settled.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <random>
+#include <string>
+
+#include "identify/updating/naming.hpp"
+#include "identify/updating/selection.hpp"
+#include "models/parameter_access.hpp"
+#include "tests/diagnose/hidden_device.hpp"
+#include "tests/seed.hpp"
+
+namespace wems::identify::updating {
+namespace {
+
+/// A run of 4 s of a device, and the search about what is believed of it.
+class Round {
+public:
+    Round(const MountModel& truth, const MountModel& believed, std::mt19937_64& random)
+        : problem_({recordIt(truth, random)}, {}, believed, Numbers::exact), settler_(problem_) {
+        standing_.judged = simulateBadly(problem_.believedPoint(), {});
+        SetState& state = standing_.state;
+        state.point = problem_.believedPoint();
+        state.view = problem_.view(state.point);
+        state.scales = settler_.scalesOf(calcMisfits(sumOf(state.view, true), problem_.estimateOf(state.point)));
+    }
+
+    bool findsMore() { return makeSearch().findsMore(makeOwnEvidence(), listCandidates(), standing_); }
+    bool takeBest(std::string& action) {
+        return makeSearch().takeBest(makeOwnEvidence(), listCandidates(), standing_, action);
+    }
+    TestProblem& problem() { return problem_; }
+    const Standing& standing() const { return standing_; }
+
+private:
+    static Recording recordIt(const MountModel& truth, std::mt19937_64& random) {
+        identify::testing::RunPlan plan;
+        plan.duration = 4;
+        plan.force = Eigen::Vector3d(40, 30, 60);
+        return recordRun(truth, plan, random);
+    }
+    /// A simulation that is always worth a cause: the equations alone decide.
+    static FreeError simulateBadly(const TestPoint& /*point*/, const HypothesisSet& /*set*/) {
+        FreeError judged;
+        judged.error = 0.5;
+        return judged;
+    }
+    Evidence makeOwnEvidence() const {
+        return makeEvidence(problem_, standing_.state.view, standing_.state.scales, true);
+    }
+    std::vector<RankedSet> listCandidates() const { return makeOwnEvidence().search({HypothesisSet{}}, 6, 1); }
+    SettledSearch makeSearch() { return {problem_, settler_, judge_}; }
+
+    TestProblem problem_;
+    Settler settler_;
+    FreeJudge judge_ = simulateBadly;
+    Standing standing_;
+};
+
+}  // namespace
+
+TEST_CASE("A cause is asked for where a number is off, and not where none is", "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const MountModel believed = identify::testing::makeRandomDevice(random);
+    MountModel truth = believed;
+    const std::string name = believed.connections[0].name + ".z.stiffness";
+    setParameter(truth, name, 1.03 * getParameter(believed, name));
+    CHECK_FALSE(Round(believed, believed, random).findsMore());
+    CHECK(Round(truth, believed, random).findsMore());
+}
+
+TEST_CASE("The best set is taken where it is settled", "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const MountModel believed = identify::testing::makeRandomDevice(random);
+    MountModel truth = believed;
+    const std::string name = believed.connections[0].name + ".z.stiffness";
+    const double hidden = 1.4 * getParameter(believed, name);
+    setParameter(truth, name, hidden);
+    Round round(truth, believed, random);
+    std::string action;
+    REQUIRE(round.takeBest(action));
+    const SetState& state = round.standing().state;
+    REQUIRE(state.set.size() == 1);
+    const Hypothesis& found = round.problem().hypotheses()[state.set.front()];
+    CAPTURE(action, describe(found));
+    CHECK(found.cause == "elastomer_stiffness");
+    CHECK(state.point.values[findUnknown(round.problem().table(), name)] == Approx(hidden).epsilon(0.02));
+    CHECK(isSatisfied(calcMisfits(sumOf(state.view, true), round.problem().estimateOf(state.point))));
+}
+
+}  // namespace wems::identify::updating
