@@ -9,8 +9,8 @@
 namespace wems::identify {
 namespace {
 
-constexpr double kTailPower = 0.005;  // on each side of the band
-constexpr int kSegment = 16384;       // samples
+constexpr double kTailPower = 0.005;  // of all, on each side of the band that is reported: 99 % lie within
+constexpr int kSegment = 16384;       // samples of a stretch whose spectrum is averaged
 
 void findBand(ChannelStatistics& statistics) {
     const Spectrum& spectrum = statistics.spectrum;

@@ -54,7 +54,7 @@ NoiseDensity findWhiteNoise(const Eigen::MatrixXd& values, int count, const Exci
     return NoiseDensity(density.medianBetween(std::min(kBeyond * band.highest, 0.5 * highest), highest));
 }
 
-/// Whether it is driven or not: a random load fills its band too.
+/// So with every load, since it has no redundancy under any drive.
 NoiseDensity findLoadNoise(const Eigen::Matrix3Xd& load, const ExcitedBand& band, double interval, double resolution) {
     int axes = 0;
     for (Eigen::Index a = 0; a < 3; ++a) axes += load.row(a).isZero(0.0) ? 0 : 1;

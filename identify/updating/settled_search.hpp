@@ -17,8 +17,8 @@
 
 namespace wems::identify::updating {
 
-/// Log evidence below the present set's: what is less likely by far is not tried, with exact numbers or with
-/// tolerances.
+/// Log evidence, 150 to one: what lies so far below the present set is not tried, with exact numbers or with
+/// tolerances; a larger set so far above it is asked for. Other values were not tried.
 inline constexpr double kUnlikely = 5;
 
 /// Of the error of the prediction: a cause that changes it by less is of no use to who reads it. On recordings of

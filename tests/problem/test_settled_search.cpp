@@ -57,6 +57,13 @@ private:
     Standing standing_;
 };
 
+const char* const kHidden = "1.z.stiffness";
+
+MountModel scaleHidden(MountModel model, double factor) {
+    setParameter(model, kHidden, factor * getParameter(model, kHidden));
+    return model;
+}
+
 }  // namespace
 
 TEST_CASE("A cause is asked for where a number is off, and not where none is", "[updating]") {
@@ -64,11 +71,8 @@ TEST_CASE("A cause is asked for where a number is off, and not where none is", "
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     const MountModel believed = identify::testing::makeRandomDevice(random);
-    MountModel truth = believed;
-    const std::string name = believed.connections[0].name + ".z.stiffness";
-    setParameter(truth, name, 1.03 * getParameter(believed, name));
     CHECK_FALSE(Round(believed, believed, random).findsMore());
-    CHECK(Round(truth, believed, random).findsMore());
+    CHECK(Round(scaleHidden(believed, 1.03), believed, random).findsMore());
 }
 
 TEST_CASE("The best set is taken where it is settled", "[updating]") {
@@ -76,10 +80,7 @@ TEST_CASE("The best set is taken where it is settled", "[updating]") {
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     const MountModel believed = identify::testing::makeRandomDevice(random);
-    MountModel truth = believed;
-    const std::string name = believed.connections[0].name + ".z.stiffness";
-    const double hidden = 1.4 * getParameter(believed, name);
-    setParameter(truth, name, hidden);
+    const MountModel truth = scaleHidden(believed, 1.4);
     Round round(truth, believed, random);
     std::string action;
     REQUIRE(round.takeBest(action));
@@ -88,7 +89,8 @@ TEST_CASE("The best set is taken where it is settled", "[updating]") {
     const Hypothesis& found = round.problem().hypotheses()[state.set.front()];
     CAPTURE(action, describe(found));
     CHECK(found.cause == "elastomer_stiffness");
-    CHECK(state.point.values[findUnknown(round.problem().table(), name)] == Approx(hidden).epsilon(0.02));
+    CHECK(state.point.values[findUnknown(round.problem().table(), kHidden)] ==
+          Approx(getParameter(truth, kHidden)).epsilon(0.02));
     CHECK(isSatisfied(calcMisfits(sumOf(state.view, true), round.problem().estimateOf(state.point))));
 }
 
