@@ -11,7 +11,8 @@ namespace {
 constexpr double kSameInterval = 1e-9;
 
 /// Displacement where the cubic through two samples with their velocities turns; the end's if it does not.
-double findTurn(double q0, double v0, double q1, double v1, double h) {
+double findTurn(const AxisInterval& interval) {
+    const auto [q0, v0, q1, v1, h] = interval;
     if (!(v0 * v1 < 0)) return q1;
     // v(p) = v0 + (v1 − v0) p + bulge p (1 − p) has one root in 0…1, since its signs there differ.
     const double bulge = 6 * ((q1 - q0) / h - 0.5 * (v0 + v1));
@@ -80,10 +81,16 @@ int chooseHalfWidth(const Eigen::VectorXd& q) {
     return std::clamp(static_cast<int>(std::lround(period / 60.0)), 2, 200);
 }
 
+void dragAlong(const AxisForce& force, const AxisInterval& interval, double* z) {
+    if (force.shape().draggedCount() == 0) return;
+    const double turn = findTurn(interval);
+    force.dragStates(turn - interval.q0, z);
+    if (turn != interval.q1) force.dragStates(interval.q1 - turn, z);
+}
+
 Eigen::VectorXd calcForceAlong(const AxisLaw& law, const Eigen::VectorXd& time, const Eigen::VectorXd& q,
                                const Eigen::VectorXd& v) {
     const AxisForce force(law);
-    const bool drags = force.shape().draggedCount() > 0;
     std::vector<double> z(force.stateCount(), 0.0);
     for (std::size_t b = 0; b < force.branches().size(); ++b) z[b] = q[0];
     Eigen::VectorXd result(q.size());
@@ -98,11 +105,7 @@ Eigen::VectorXd calcForceAlong(const AxisLaw& law, const Eigen::VectorXd& time, 
                 z[b] = q[k] - lag + (z[b] - q[k - 1] + lag) * decay[b];
             }
             decayed = h;
-            if (drags) {
-                const double turn = findTurn(q[k - 1], v[k - 1], q[k], v[k], h);
-                force.dragStates(turn - q[k - 1], z.data());
-                if (turn != q[k]) force.dragStates(q[k] - turn, z.data());
-            }
+            dragAlong(force, {q[k - 1], v[k - 1], q[k], v[k], h}, z.data());
         }
         result[k] = force.calcForce(q[k], v[k], time[k] - time[0], z.data());
     }

@@ -7,10 +7,10 @@
 #include <limits>
 #include <vector>
 
-#include "identify/fit/law_history.hpp"
 #include "models/bryant.hpp"
 #include "models/law_equality.hpp"
 #include "models/mount_forces.hpp"
+#include "models/sampled_motion.hpp"
 
 namespace wems::identify {
 

@@ -8,7 +8,6 @@
 
 #include "identify/fit/equation_of_motion.hpp"
 #include "identify/fit/intervals.hpp"
-#include "identify/fit/law_history.hpp"
 #include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
@@ -65,32 +64,6 @@ TEST_CASE("Student's 95 % quantile as tables print it") {
                                                  {10, 2.228}, {30, 2.042}, {1e6, 1.960}};
     for (const auto& [degrees, quantile] : printed) CHECK(studentQuantile95(degrees) == Approx(quantile).margin(6e-4));
     CHECK(studentQuantile95(0.5) == std::numeric_limits<double>::infinity());
-}
-
-TEST_CASE("drag along: a cubic that turns is dragged there and back") {
-    AxisLaw law;
-    law.friction = Friction{2.0, 1e-3, 1e6};  // 2 N, bristle of 1 N/um: slides from 2 um on
-    const AxisForce force(law);
-    const double sliding = 2e-6;
-    const auto follow = [&](double from, double travel, double direction) {  // s' = v (1 − direction s / (F/σ))
-        return direction * sliding + (from - direction * sliding) * std::exp(-std::abs(travel) / sliding);
-    };
-    // q = a (s − s²) over the unit interval: up by a/4 and back.
-    for (const double a : {1e-6, 4e-6, 4e-5}) {
-        AxisStep<double> step{};
-        step.q0 = step.q1 = 0;
-        step.h = 1;
-        step.v0 = a;
-        step.v1 = -a;
-        double z = 0;
-        dragAlong(force, step, &z);
-        CAPTURE(a);
-        CHECK(z == Approx(follow(follow(0, a / 4, 1), a / 4, -1)).margin(1e-12));
-        step.v1 = a;  // no turn: the ends alone count, and they are the same
-        z = 0.5e-6;
-        dragAlong(force, step, &z);
-        CHECK(z == Approx(0.5e-6));
-    }
 }
 
 TEST_CASE("stop column: force and slope of every sample, averaged by brute force, and products with means removed") {

@@ -55,6 +55,28 @@ double calcWork(const AxisForce& force, double travel, double& e) {
 
 }  // namespace
 
+TEST_CASE("drag along: a cubic that turns is dragged there and back") {
+    AxisLaw law;
+    law.friction = Friction{2.0, 1e-3, 1e6};  // 2 N, bristle of 1 N/um: slides from 2 um on
+    const AxisForce force(law);
+    const double sliding = 2e-6;
+    const auto follow = [&](double from, double travel, double direction) {  // s' = v (1 − direction s / (F/σ))
+        return direction * sliding + (from - direction * sliding) * std::exp(-std::abs(travel) / sliding);
+    };
+    // q = a (s − s²) over the unit interval: up by a/4 and back.
+    for (const double a : {1e-6, 4e-6, 4e-5}) {
+        AxisInterval step{0, a, 0, -a, 1};
+        double z = 0;
+        dragAlong(force, step, &z);
+        CAPTURE(a);
+        CHECK(z == Approx(follow(follow(0, a / 4, 1), a / 4, -1)).margin(1e-12));
+        step.v1 = a;  // no turn: the ends alone count, and they are the same
+        z = 0.5e-6;
+        dragAlong(force, step, &z);
+        CHECK(z == Approx(0.5e-6));
+    }
+}
+
 TEST_CASE("a slider with a corner is the mechanism of spring, gap and friction") {
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
