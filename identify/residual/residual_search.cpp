@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "identify/motion/parallel.hpp"
+#include "identify/verdict/free_error.hpp"
 
 namespace wems::identify {
 namespace {
@@ -13,8 +14,6 @@ namespace {
 constexpr std::size_t kMostCauses = 5;  // of one answer: more describe, they do not explain
 constexpr std::size_t kTried = 6;       // statements of a round that are fitted
 constexpr std::size_t kShown = 8;       // candidates of a round that its record keeps
-// Of the judged error: a cause that changes it by less is of no use to who reads it (identify/updating/selection.cpp).
-constexpr double kWorth = 0.05;
 
 std::string describe(const Hypothesis& hypothesis) {
     std::string text = hypothesis.cause;

@@ -99,6 +99,7 @@ private:
         const std::vector<double> misfits = calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point));
         state_.scales = settler_.scalesOf(misfits);
         excess_ = excessOf(misfits);
+        noise_alone_ = isNoiseAlone(sumOf(state_.view, true), misfits);
         const Evidence evidence = ownEvidence();
         // One cause more at a time: the next one is sought about a state that has this one.
         const std::size_t largest = std::min(kMostCauses, state_.set.size() + 1);
@@ -163,9 +164,9 @@ private:
         return *std::max_element(misfits.begin(), misfits.end()) - 1;
     }
 
-    /// Whether equations that leave three times the noise (kSatisfied) leave half of what exceeds it with a set.
-    bool takesHalf(const SetState& next) const {
-        return excess_ >= kSatisfied - 1 &&
+    /// Whether equations that leave more than noise leave half of what exceeds it with a set.
+    bool isNeeded(const SetState& next) const {
+        return !noise_alone_ &&
                excessOf(calcMisfits(sumOf(next.view, true), problem_.estimateOf(next.point))) < 0.5 * excess_;
     }
 
@@ -183,7 +184,7 @@ private:
             problem_.restore(before);
             return false;
         }
-        if (takesHalf(next))
+        if (isNeeded(next))
             for (const int h : next.set)
                 if (!std::binary_search(state_.set.begin(), state_.set.end(), h)) needed_.push_back(h);
         state_ = std::move(next);
@@ -194,7 +195,7 @@ private:
     bool isWorthwhile(const SetState& next, double error) const {
         if (!isPossible(problem_, next.set, problem_.estimateOf(next.point))) return false;
         double most = (1 + kWorth) * standing_.judged.error;
-        const bool needed = takesHalf(next);
+        const bool needed = isNeeded(next);
         for (const int h : next.set) {
             if (std::binary_search(state_.set.begin(), state_.set.end(), h)) continue;
             if (!isBeyondTolerance(problem_, at(h), next.point)) return false;
@@ -231,11 +232,13 @@ private:
         next.set.insert(std::lower_bound(next.set.begin(), next.set.end(), hypothesis), hypothesis);
         settler_.settle(next, kMostRefining, true);
         const FreeError judged = judge_(next.point, next.set);
-        if (judged.error > (1 + kWorth) * standing_.judged.error) return false;
-        const Evidence evidence = makeEvidence(problem_, next.view, next.scales, true);
-        if (!isSensorFault(at(hypothesis)) &&
-            judge_(bringBack(problem_, next, at(hypothesis)), next.set).error < (1 + kWorth) * judged.error)
+        // A number moved before it had a name. What the prediction makes of it shows where it is brought back to its
+        // tolerance; beside that the last few per cent only say where the simulation jumps.
+        if (isSensorFault(at(hypothesis))
+                ? judged.error > (1 + kWorth) * standing_.judged.error
+                : judge_(bringBack(problem_, next, at(hypothesis)), next.set).error < (1 + kWorth) * judged.error)
             return false;
+        const Evidence evidence = makeEvidence(problem_, next.view, next.scales, true);
         const Posterior posterior = evidence.calcPosterior(next.set);
         const double probability = calcBeyondProbability(problem_, at(hypothesis), next.point, posterior);
         if (probability < 0.5 || !isBorneOut(next, hypothesis, evidence)) return false;
@@ -287,8 +290,7 @@ private:
             for (const int h : state_.set) {
                 if (isSensorFault(at(h)) || result_.beyond.count(h) > 0 ||
                     std::find(needed_.begin(), needed_.end(), h) != needed_.end() ||
-                    judge_(holdBack(problem_, state_, h, evidence), state_.set).error >=
-                        (1 + kWorth) * standing_.judged.error)
+                    !isWorthless(standing_.judged, judge_(holdBack(problem_, state_, h, evidence), state_.set)))
                     continue;
                 state_.set.erase(std::find(state_.set.begin(), state_.set.end(), h));
                 problem_.adopt(state_.set);
@@ -383,8 +385,9 @@ private:
     SettledSearch settled_;
     Standing standing_;
     SetState& state_ = standing_.state;
-    double excess_ = 0;        // of the equations at the present state, beyond the noise
-    std::vector<int> needed_;  // causes without which the equations leave twice as much
+    double excess_ = 0;         // of the equations at the present state, beyond the noise
+    bool noise_alone_ = false;  // whether it is none
+    std::vector<int> needed_;   // causes without which the equations leave twice as much
     Selection result_;
 };
 

@@ -16,8 +16,6 @@ constexpr int kFirstSteps = 4;           // … so far, all of them …
 constexpr std::size_t kFurtherSets = 3;  // … and so many to their end
 constexpr int kSettlingSteps = 16;       // of Gauss and Newton
 
-constexpr double kBeyond = 1.96;  // standard deviations of a misfit: less is noise, which any number may halve
-
 }  // namespace
 
 SettledSearch::SettledSearch(TestProblem& problem, const Settler& settler, const FreeJudge& judge)
@@ -183,8 +181,7 @@ double SettledSearch::calcCostAt(const TestPoint& point) const {
 SettledSearch::Settled SettledSearch::assess(SetState state) const {
     const Information all = sumOf(state.view, true);
     const Eigen::VectorXd estimate = problem_.estimateOf(state.point);
-    Settled own{std::move(state), calcMisfits(all, estimate), {}, 0};
-    for (const BlockInformation& block : all) own.scatter.push_back(block.empty() ? 0 : std::sqrt(2 / block.count));
+    Settled own{std::move(state), calcMisfits(all, estimate), calcScatter(all), 0};
     own.log_evidence = SetEvidence(problem_, all, own.state.scales, own.state.set).solve().occam -
                        0.5 * (settler_.calcCost(all, own.misfits) + settler_.calcPriorSquare(estimate, own.state.set));
     return own;
@@ -213,7 +210,8 @@ bool SettledSearch::carriesItsCauses(const Settled& next, const Settled& present
     const double part = std::pow(0.5, static_cast<double>(next.state.set.size() - causes));
     const std::vector<double>& before = ahead_ ? ahead_->misfits : present.misfits;
     for (std::size_t k = 0; k < kBlocks; ++k)
-        if (before[k] - 1 > kBeyond * next.scatter[k] && next.misfits[k] - 1 <= part * (before[k] - 1)) return true;
+        if (before[k] - 1 > kBeyondNoise * next.scatter[k] && next.misfits[k] - 1 <= part * (before[k] - 1))
+            return true;
     return false;
 }
 

@@ -21,11 +21,6 @@ namespace wems::identify::updating {
 /// tolerances; a larger set so far above it is asked for. Other values were not tried.
 inline constexpr double kUnlikely = 5;
 
-/// Of the error of the prediction: a cause that changes it by less is of no use to who reads it. On recordings of
-/// another simulator true causes changed it by 13 % and more, a mode far above the sweep that was off by noise alone by
-/// 1 %.
-inline constexpr double kWorth = 0.05;
-
 /// Free simulation of the runs that judge, without the faults of sensors that the set names.
 using FreeJudge = std::function<FreeError(const TestPoint&, const HypothesisSet&)>;
 

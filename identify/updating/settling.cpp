@@ -90,6 +90,19 @@ std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& e
     return misfits;
 }
 
+std::vector<double> calcScatter(const Information& all) {
+    std::vector<double> scatter;
+    for (const BlockInformation& block : all) scatter.push_back(block.empty() ? 0 : std::sqrt(2 / block.count));
+    return scatter;
+}
+
+bool isNoiseAlone(const Information& all, const std::vector<double>& misfits) {
+    const std::vector<double> scatter = calcScatter(all);
+    for (std::size_t k = 0; k < kBlocks; ++k)
+        if (misfits[k] - 1 > kBeyondNoise * scatter[k]) return false;
+    return true;
+}
+
 SetEvidence::SetEvidence(const TestProblem& problem, const Information& all, const BlockScales& scales,
                          const HypothesisSet& set)
     : members_(collect(problem, set)),
@@ -154,7 +167,7 @@ double Settler::calcExcess(const TestView& view, const TestPoint& point, const E
 void Settler::settle(SetState& state, int most, bool with_validation) const {
     for (int pass = 0; pass < most; ++pass)
         if (!improve(state, with_validation)) break;
-    state.scales = scalesOf(calcMisfits(sumOf(state.view, true), problem_.estimateOf(state.point)));
+    state.scales = scalesOf(calcMisfits(sumOf(state.view, with_validation), problem_.estimateOf(state.point)));
 }
 
 /// The point towards which a quadratic leads, as far as the equations themselves bear out what it promises. The view

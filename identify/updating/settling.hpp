@@ -48,6 +48,13 @@ Information sumOf(const TestView& view, bool with_validation);
 /// Misfit of each block at an estimate.
 std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& estimate);
 
+/// Standard deviations of a misfit: less is noise, which any number may halve.
+inline constexpr double kBeyondNoise = 1.96;
+/// Standard deviation of each block's misfit if the model is perfect.
+std::vector<double> calcScatter(const Information& all);
+/// Whether no block leaves more than a perfect model would.
+bool isNoiseAlone(const Information& all, const std::vector<double>& misfits);
+
 class Settler {
 public:
     explicit Settler(const TestProblem& problem);

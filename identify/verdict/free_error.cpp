@@ -52,6 +52,10 @@ double lowestCompared(const RunMotion& run) {
 
 }  // namespace
 
+bool isWorthless(const FreeError& with, const FreeError& without) {
+    return without.error < (1 + kWorth) * with.error || without.error < std::hypot(with.error, with.noise_floor);
+}
+
 // White acceleration noise integrated twice above a frequency f leaves
 // 2 h σ² / (3 (2π)⁴ f³), of which the rigid fit of n triads lets 2 / n through, and all of what contact folds.
 double calcNoiseVariance(const FreeRun& free, const MountModel& model) {

@@ -35,6 +35,14 @@ inline bool isWorthExplaining(const FreeError& own) {
     return own.error > kFloors * own.noise_floor && own.error > kLeastError;
 }
 
+/// Of the error of the prediction: a cause that changes it by less is of no use to who reads it. On recordings of
+/// another simulator true causes changed it by 13 % and more, a mode far above the sweep that was off by noise alone by
+/// 1 %.
+inline constexpr double kWorth = 0.05;
+/// Whether a prediction is as good without a cause: worse by less than that, or by less than the noise that it is
+/// compared with. Errors add as squares.
+bool isWorthless(const FreeError& with, const FreeError& without);
+
 /// One run with what it is compared with.
 struct FreeRun {
     const RunMotion* motion;

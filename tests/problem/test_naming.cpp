@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "identify/updating/naming.hpp"
+#include "identify/verdict/free_error.hpp"
 
 using namespace wems::identify;
 
@@ -44,4 +45,24 @@ TEST_CASE("Naming: half of what exceeds the noise, of a block that is not satisf
     CHECK_FALSE(updating::takesHalf(pair(makeBlock(100, 198), makeBlock(1, 1)), kWith, kWithout));
     CHECK(updating::takesHalf(pair(makeBlock(1, 1), makeBlock(4, 7)), kWith, kWithout));
     CHECK_FALSE(updating::takesHalf(pair(makeBlock(1, 1), makeBlock(2, 7)), kWith, kWithout));
+}
+
+TEST_CASE("Naming: noise alone, of every block") {
+    const auto is = [](double mount, double sensors) {
+        const Information all = pair(makeBlock(mount, mount), makeBlock(sensors, sensors));
+        return updating::isNoiseAlone(all, updating::calcMisfits(all, kWith));
+    };
+    // Of 1000 values a perfect model leaves 1 ± √(2/1000) each.
+    CHECK(is(1, 1));
+    CHECK(is(0.5, 1.08));
+    CHECK_FALSE(is(1.1, 1));
+    CHECK_FALSE(is(1, 1.1));
+}
+
+TEST_CASE("Naming: a cause whose part of the error is less than a twentieth, or than the noise, is worth nothing") {
+    CHECK(isWorthless({0.1, 0}, {0.104, 0}));
+    CHECK_FALSE(isWorthless({0.1, 0}, {0.106, 0}));
+    // Without it √(0.1² + 0.05²) = 0.112 where the noise is half of what is left.
+    CHECK(isWorthless({0.1, 0.05}, {0.11, 0.05}));
+    CHECK_FALSE(isWorthless({0.1, 0.05}, {0.114, 0.05}));
 }
