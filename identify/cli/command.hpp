@@ -78,7 +78,7 @@ public:
     TerminalWatcher(std::string output, const CommonOptions& options, OutputFiles& outputs)
         : output_(std::move(output)), options_(options), outputs_(outputs), progress_(std::in_place, !options.quiet) {}
     void onInputs(const std::vector<std::string>& files) override;
-    void onStep(const std::string& what, double from = 0, double to = 1) override { progress_->step(what, from, to); }
+    void onStep(const ProgressEvent& step) override { progress_->step(step); }
     void onProgress(double done, const std::string& what) override { progress_->show(done, what); }
     /// The line goes: text follows.
     void close() { progress_.reset(); }

@@ -84,7 +84,7 @@ void answerDiagnose(DiagnoseArguments& arguments, int& exit_status) {
     const DiagnoseAnswer answer = runDiagnosis(arguments.request, watcher);
     if (!arguments.output.empty()) addFittedModel(answer.extended, arguments.output, outputs);
     if (!common.report_file.empty()) {
-        watcher.onStep("report");
+        watcher.onStep({"report"});
         writeReport(answer, common.report_file, outputs);
     }
     watcher.close();

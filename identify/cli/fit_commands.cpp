@@ -38,7 +38,7 @@ void answerFit(FitArguments& arguments, int& exit_status) {
     const FitAnswer answer = runFit(request, watcher);
     if (!arguments.output.empty()) addFittedModel(answer.fitted, arguments.output, outputs);
     if (!common.report_file.empty()) {
-        watcher.onStep("report");
+        watcher.onStep({"report"});
         writeReport(answer, common.report_file, outputs);
     }
     watcher.close();
@@ -120,7 +120,7 @@ void runEquations(const EquationsOptions& options) {
     protectInputs({model.bracket_path}, options.output, options.common, outputs);
     const std::optional<ColumnMap> map = readDeviceMap(options.common.column_map, model);
     std::optional<Progress> progress(std::in_place, !options.common.quiet);
-    progress->step("reading " + options.recording);
+    progress->step({"reading " + options.recording});
     std::vector<Recording> recordings{readRecording(options.recording, map ? &*map : nullptr)};
     checkFitStart(model, options.model);
     checkSampleRate(recordings, model);
@@ -128,10 +128,10 @@ void runEquations(const EquationsOptions& options) {
     Recording& recording = recordings.front();
     checkWhole(recording, model);
     keepOnly(options.use, recording);
-    progress->step("motion of both parts", 0.3);
+    progress->step({"motion of both parts", 0.3});
     RunMotion motion = estimateMotion(recording, model);
     motion.notes.insert(motion.notes.begin(), recording.warnings.begin(), recording.warnings.end());
-    progress->step("equations of motion", 0.6);
+    progress->step({"equations of motion", 0.6});
     const StoredRun run = makeStoredRun(std::move(motion), model, options.fit);
     writeStoredRun(run, model, options.fit, options.output, outputs);
     progress.reset();
@@ -177,14 +177,14 @@ void runJoin(const JoinOptions& options) {
     std::vector<RunMotion> runs;
     std::vector<RunEquations> equations;
     std::vector<std::string> notes;
-    progress->step("reading equations");
+    progress->step({"reading equations"});
     for (const std::string& file : options.files) {
         StoredRun run = readStoredRun(file, model, options.fit);
         for (const std::string& note : run.motion.notes) notes.push_back(run.motion.file + ": " + note);
         runs.push_back(std::move(run.motion));
         equations.push_back(std::move(run.equations));
     }
-    progress->step("parameters and intervals", 0.3);
+    progress->step({"parameters and intervals", 0.3});
     const FitResult fit = solveEquations(runs, std::move(equations), model, options.fit);
     notes.insert(notes.end(), fit.notes.begin(), fit.notes.end());
     if (!options.output.empty()) {

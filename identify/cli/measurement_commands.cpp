@@ -79,7 +79,7 @@ void answerRigidity(RigidityArguments& arguments, int& exit_status) {
     TerminalWatcher watcher("", common, outputs);
     const RigidityAnswer answer = runRigidity(arguments.request, watcher);
     if (!common.report_file.empty()) {
-        watcher.onStep("report", 0.6, 1);
+        watcher.onStep({"report", 0.6, 1});
         writeReport(answer, common.report_file, outputs);
     }
     watcher.close();

@@ -106,10 +106,10 @@ void runConvert(const ConvertOptions& options) {
         for (const Connection& connection : model.connections) write.rest[connection.name] = connection.position;
     }
     std::optional<Progress> progress(std::in_place, !options.common.quiet);
-    progress->step("reading " + options.input);
+    progress->step({"reading " + options.input});
     const std::optional<ColumnMap> map = readOptionalMap(options.common.column_map);
     const Recording recording = readRecording(options.input, map ? &*map : nullptr);
-    progress->step("writing " + options.output, 0.55);
+    progress->step({"writing " + options.output, 0.55});
     const auto notes = writeRecording(recording, options.output, write, outputs);
     progress.reset();
     for (const auto& warning : recording.warnings)
@@ -190,14 +190,14 @@ void runMerge(const MergeCommandOptions& options) {
     for (std::size_t i = 0; i < options.inputs.size(); ++i) {
         const std::string file = options.maps.empty() ? "" : options.maps[options.maps.size() == 1 ? 0 : i];
         const std::optional<ColumnMap> map = readOptionalMap(file);
-        progress->step("reading " + options.inputs[i],
-                       share_of_reading * static_cast<double>(i) / static_cast<double>(options.inputs.size()));
+        progress->step({"reading " + options.inputs[i],
+                        share_of_reading * static_cast<double>(i) / static_cast<double>(options.inputs.size())});
         recordings.push_back(readRecording(options.inputs[i], map ? &*map : nullptr));
     }
-    progress->step("putting them together", share_of_reading);
+    progress->step({"putting them together", share_of_reading});
     const MergedRecording result = merge(recordings, options.merge);
     const Recording& merged = result.recording;
-    progress->step("writing " + options.output, 1 - share_of_writing);
+    progress->step({"writing " + options.output, 1 - share_of_writing});
     const auto notes = writeRecording(merged, options.output, {}, outputs);
     progress.reset();
     for (const Recording& recording : recordings)

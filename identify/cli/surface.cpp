@@ -175,19 +175,19 @@ void runSurface(const SurfaceOptions& options, const CLI::App& command, int& exi
     std::optional<ColumnMap> map;
     if (!options.common.column_map.empty()) map = readColumnMap(options.common.column_map);
     std::optional<Progress> progress(std::in_place, !options.common.quiet);
-    progress->step("reading " + options.recording);
+    progress->step({"reading " + options.recording});
     const Recording recording = readRecording(options.recording, map ? &*map : nullptr);
     component.connection = options.connection;
     if (!options.axis.empty()) component.axis = static_cast<int>(std::string("xyz").find(options.axis));
     if (command.count("--mass") > 0) component.mass = options.mass;
     component.time_known = !map || map->has_time || map->sample_interval != 1;
     component.unit_mass_allowed = !isComponentTest(recording);
-    progress->step("surface and laws", 0.1);
+    progress->step({"surface and laws", 0.1});
     const ComponentData data = extractComponent(recording, component);
     std::vector<ComponentData> others;
     for (const auto& file : options.validation)
         others.push_back(extractComponent(readRecording(file, map ? &*map : nullptr), component));
-    progress->step("laws with memory", 0.4);
+    progress->step({"laws with memory", 0.4});
     const LawSelection laws = selectLaw({data}, {});
     const SurfaceKind kind = nameByMemory(characteriseSurface(data, options.low_force), laws);
     progress.reset();

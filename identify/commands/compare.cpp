@@ -289,11 +289,11 @@ CompareAnswer runCompare(const CompareRequest& request, Watcher& watcher) {
     // A simulated recording has no columns of the laboratory's sensors.
     const std::optional<ColumnMap> map = readOptionalMap(request.columns);
     const double share_of_reading = model ? 0.5 : 0.9;
-    watcher.onStep("reading " + answer.measured, 0, 1);
+    watcher.onStep({"reading " + answer.measured});
     const Recording measured = readSource(request.measured, inputs.findMap());
-    watcher.onStep("reading " + answer.simulated, share_of_reading / 2, 1);
+    watcher.onStep({"reading " + answer.simulated, share_of_reading / 2, 1});
     const Recording simulated = readSource(request.simulated, map ? &*map : nullptr);
-    watcher.onStep("comparing", share_of_reading, 1);
+    watcher.onStep({"comparing", share_of_reading, 1});
     for (const auto* recording : {&measured, &simulated})
         for (const auto& warning : recording->warnings) answer.warnings.push_back(recording->file + ": " + warning);
     if (model) {

@@ -52,13 +52,13 @@ DiagnoseAnswer runDiagnosis(DiagnoseRequest request, Watcher& watcher) {
         for (const RecordingSource& fitted : runs.recordings)
             if (judge.file == fitted.file && judge.loaded == fitted.loaded)
                 answer.warnings.push_back(judge.file + " is fitted to and judges too, which flatters every cause");
-    watcher.onStep("reading", 0, 1);
+    watcher.onStep({"reading"});
     DiagnosisOptions options;
     if (readElementTests(runs, map ? &*map : nullptr, answer)) {
         answer.element = true;
         ComponentOptions component;
         component.time_known = !map || map->has_time || map->sample_interval != 1;
-        options.progress = [&](const std::string& text) { watcher.onStep(text, 0, 1); };
+        options.progress = [&](const ProgressEvent& step) { watcher.onStep(step); };
         answer.diagnosis =
             diagnoseComponent(answer.identification, answer.validation, answer.model, component, options);
         answer.extended = answer.diagnosis.extended;
@@ -73,7 +73,7 @@ DiagnoseAnswer runDiagnosis(DiagnoseRequest request, Watcher& watcher) {
         checkDisplacements(*group, answer.model);
     }
     // How many rounds there will be is not known.
-    options.progress = [&](const std::string& text) { watcher.onStep(text, 0, 1); };
+    options.progress = [&](const ProgressEvent& step) { watcher.onStep(step); };
     answer.diagnosis = diagnose(answer.identification, answer.validation, answer.model, options);
     answer.extended = answer.diagnosis.extended;
     answer.notes = makeAdmissible(answer.model, answer.extended);

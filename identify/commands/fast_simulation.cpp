@@ -62,9 +62,9 @@ Recording simulateLoaded(const MountModel& model, const Recording& drive, const 
 Recording runFastSimulation(const FastSimulationRequest& request, Watcher& watcher) {
     const MountModel model = readDeviceModel(request.model, "");
     const std::optional<ColumnMap> map = readDeviceMap(request.columns, model);
-    watcher.onStep("reading " + request.drive.file, 0, 1);
+    watcher.onStep({"reading " + request.drive.file});
     const Recording drive = readSource(request.drive, map ? &*map : nullptr);
-    watcher.onStep("fast forward simulation", 0.1, 1);
+    watcher.onStep({"fast forward simulation", 0.1, 1});
     const Eigen::Matrix3Xd load = takeVector(drive, "load.f"), base = takeVector(drive, "base.a");
     const bool on_mobile = model.load_point && model.load_point->part == Part::mobile;
     Recording simulated;

@@ -28,7 +28,7 @@ DeviceRuns estimateRuns(const FitRequest& request, const MountModel& model, std:
     DeviceRuns result;
     for (Recording& recording : recordings) keepOnly(request.use, recording);
     result.runs.resize(recordings.size());
-    watcher.onStep("motion of both parts", kReadingShare, kMotionShare);
+    watcher.onStep({"motion of both parts", kReadingShare, kMotionShare});
     runParallel(recordings.size(), [&](std::size_t r) { result.runs[r] = estimateMotion(recordings[r], model); });
     for (std::size_t r = 0; r < recordings.size(); ++r) {
         for (const auto& warning : recordings[r].warnings) result.notes.push_back(recordings[r].file + ": " + warning);
@@ -62,7 +62,7 @@ void fitDevice(const FitRequest& request, const std::vector<Recording>& recordin
     Stopwatch watch(answer.timing);
     answer.notes = std::move(device.notes);
     answer.blocks = std::move(device.blocks);
-    watcher.onStep("equations of motion, parameters and intervals", answer.blocks ? 0 : kMotionShare, 1);
+    watcher.onStep({"equations of motion, parameters and intervals", answer.blocks ? 0 : kMotionShare, 1});
     answer.mount = fitMount(device.runs, answer.start, request.fit);
     const FitResult& fit = *answer.mount;
     answer.notes.insert(answer.notes.end(), fit.notes.begin(), fit.notes.end());
@@ -73,7 +73,7 @@ void fitDevice(const FitRequest& request, const std::vector<Recording>& recordin
         answer.notes.insert(answer.notes.end(), limited.begin(), limited.end());
     watch.restart();  // the fit has steps of its own
     answer.timing.insert(answer.timing.end(), fit.timing.begin(), fit.timing.end());
-    if (!request.runs.validation.empty()) watcher.onStep("free simulations of the validation runs", 0, 1);
+    if (!request.runs.validation.empty()) watcher.onStep({"free simulations of the validation runs"});
     answer.validation = validateModel(
         answer.fitted, readDeviceRecordings(request.runs.validation, request.runs.columns, answer.fitted));
     watch.lap("validation");
@@ -210,7 +210,7 @@ FitAnswer runFit(FitRequest request, Watcher& watcher) {
     std::vector<Recording> recordings;
     for (const RecordingSource& source : sources) {
         const auto all = static_cast<double>(sources.size()), read = static_cast<double>(recordings.size());
-        watcher.onStep("reading " + source.file, kReadingShare * read / all, kReadingShare * (read + 1) / all);
+        watcher.onStep({"reading " + source.file, kReadingShare * read / all, kReadingShare * (read + 1) / all});
         recordings.push_back(readSource(source, map ? &*map : nullptr));
         if (isComponentTest(recordings.back()) != isComponentTest(recordings.front()))
             throw InputError({source.file, 0, ""}, "a component test and a recording of a whole device",

@@ -107,9 +107,9 @@ Inspection inspectOne(const InspectRequest& request, const RecordingSource& sour
     const auto size = estimateSize({source}, map);
     if (size && bytes_a_value * size->samples * size->channels > 1e6 * request.memory.megabytes)
         return inspectStream(file, map, model, recording, watcher);
-    watcher.onStep("reading " + file);
+    watcher.onStep({"reading " + file});
     recording = readSource(source, map);
-    watcher.onStep("looking at " + file, 0.25);
+    watcher.onStep({"looking at " + file, 0.25});
     for (std::string& sentence : findContradictions(recording)) recording.warnings.push_back(std::move(sentence));
     return inspect(recording, model);
 }

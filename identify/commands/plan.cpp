@@ -65,14 +65,14 @@ PlanAnswer runPlan(PlanRequest request, Watcher& watcher) {
     watcher.onInputs(listFiles(answer.record));
     const std::optional<ColumnMap> map = readDeviceMap(request.runs.columns, answer.start);
     if (map) answer.record.addColumns(*map);
-    watcher.onStep("reading", 0, 1);
+    watcher.onStep({"reading"});
     const std::vector<Recording> recordings = readRuns(request, answer.start, map ? &*map : nullptr);
-    watcher.onStep("motion of both parts", 0, 1);
+    watcher.onStep({"motion of both parts"});
     std::vector<RunMotion> runs(recordings.size());
     runParallel(runs.size(), [&](std::size_t r) { runs[r] = estimateMotion(recordings[r], answer.start); });
     constexpr double before = 0.1;  // of the time, for what comes before the rehearsals
-    request.plan.progress = [&](double done, const std::string& what) {
-        watcher.onStep(what, before + (1 - before) * done, 1);
+    request.plan.progress = [&](const ProgressEvent& step) {
+        watcher.onStep({step.what, before + (1 - before) * step.from});
     };
     answer.plan = makePlan(runs, recordings, answer.start, request.plan);
     for (const Recording& recording : recordings)

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "models/common/progress.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/column_map.hpp"
 #include "models/recording/recording.hpp"
@@ -28,8 +29,8 @@ public:
 
     /// All files that the command reads, before anything is computed.
     virtual void onInputs(const std::vector<std::string>& /*files*/) {}
-    /// A step begins. @param from, to parts of the whole time between which it usually lies; 0 and 1: not known
-    virtual void onStep(const std::string& /*what*/, double /*from*/ = 0, double /*to*/ = 1) {}
+    /// A step begins.
+    virtual void onStep(const ProgressEvent& /*step*/) {}
     /// A step that can tell how far it is. @param done 0 to 1
     virtual void onProgress(double /*done*/, const std::string& /*what*/) {}
 };

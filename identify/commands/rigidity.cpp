@@ -129,9 +129,9 @@ RigidityAnswer runRigidity(const RigidityRequest& request, Watcher& watcher) {
         readInputs(request.model, request.columns, request.geometry, {request.recording}, answer.record, watcher);
     if (!inputs.model) throw InputError({}, "there is no model", "the device's model");
     answer.model = *inputs.model;
-    watcher.onStep("reading " + request.recording.file, 0, 1);
+    watcher.onStep({"reading " + request.recording.file});
     answer.recording = readDeviceRecordings({request.recording}, request.columns, answer.model).front();
-    watcher.onStep("checks", 0.45, 1);  // as a sweep of 50 000 samples takes
+    watcher.onStep({"checks", 0.45, 1});  // as a sweep of 50 000 samples takes
     answer.rigidity = checkRigidity(answer.recording, answer.model);
     answer.quality = judgeQuality(answer.recording, &answer.model, answer.recording.findings);
     return answer;

@@ -208,7 +208,7 @@ SpectraAnswer runSpectra(const SpectraRequest& request, Watcher& watcher) {
     const DeviceInputs inputs =
         readInputs(request.model, request.columns, request.geometry, request.recordings, answer.record, watcher);
     for (const RecordingSource& source : request.recordings) {
-        watcher.onStep("spectra of " + source.file, 0, 1);
+        watcher.onStep({"spectra of " + source.file});
         const Recording recording = readSource(source, inputs.findMap());
         for (const auto& warning : recording.warnings) answer.warnings.push_back(source.file + ": " + warning);
         answer.runs.push_back(calcRunSpectra(recording, inputs.findModel(), settings));

@@ -154,7 +154,7 @@ private:
     /// Laws with distributions of sliders and branches: taken where they leave less than half of what the causes of
     /// the catalogue leave, to the tests and to those that judge.
     void tryDistributions() {
-        if (options_.progress) options_.progress("distributions of sliders and branches");
+        if (options_.progress) options_.progress({"distributions of sliders and branches"});
         const LawSelection selection = selectLaw(problem_.tests(), law_.stops);
         const LawFit& found = selection.law();
         if (found.terms.memory == LawTerms::Memory::none && !found.terms.relaxation) return;

@@ -76,9 +76,9 @@ void runBeamTip(const BeamTipOptions& options) {
     const std::optional<ColumnMap> map =
         options.common.column_map.empty() ? std::nullopt : std::optional(readColumnMap(options.common.column_map));
     std::optional<Progress> progress(std::in_place, !options.common.quiet);
-    progress->step("reading " + options.recording);
+    progress->step({"reading " + options.recording});
     const Recording recording = readRecording(options.recording, map ? &*map : nullptr);
-    progress->step("regression", 0.6);
+    progress->step({"regression", 0.6});
     const BeamTip tip = identifyBeamTip(recording, Beam{});
     progress.reset();
     Table table({"equation of the tip", "cubic [N/m^3]", "linear part", "damping", "unexplained"});
@@ -231,9 +231,9 @@ void runSingleAxis(SingleAxisCommandOptions options) {
     const MountModel model = readMountModel(options.model);
     protectInputs({model.bracket_path}, options.output, options.common, outputs);
     std::optional<Progress> progress(std::in_place, !options.common.quiet);
-    progress->step("reading " + options.recording);
+    progress->step({"reading " + options.recording});
     const Recording recording = readDeviceRecordings({options.recording}, options.common.column_map, model).front();
-    progress->step("regression", 0.6);
+    progress->step({"regression", 0.6});
     SingleAxisResult result = identifySingleAxis(recording, model, method);
     progress.reset();
     result.notes.insert(result.notes.begin(), recording.warnings.begin(), recording.warnings.end());

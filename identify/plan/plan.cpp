@@ -143,8 +143,8 @@ private:
 
     void tell(std::size_t all) {
         if (options_.progress)
-            options_.progress(std::min(1.0, static_cast<double>(told_) / static_cast<double>(all)),
-                              "rehearsal of run " + std::to_string(told_ + 1));
+            options_.progress({"rehearsal of run " + std::to_string(told_ + 1),
+                               std::min(1.0, static_cast<double>(told_) / static_cast<double>(all))});
         ++told_;
     }
 
@@ -253,7 +253,7 @@ Plan makePlan(const std::vector<RunMotion>& runs, const std::vector<Recording>& 
               const PlanOptions& options) {
     Plan plan;
     plan.setup = findTestSetup(runs, recordings, model, options.asked);
-    if (options.progress) options.progress(0, "fit of the recordings");
+    if (options.progress) options.progress({"fit of the recordings"});
     plan.now = fitMount(runs, model, options.fit);
     plan.trusted = plan.now.residual_over_noise < kNotable || plan.now.residual_fraction < kLeastFraction;
     plan.notes = plan.setup.notes;

@@ -16,12 +16,12 @@
 /// with SAS (2007), ch. 17 (local optimality of nonlinear models).
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "identify/plan/gain.hpp"
 #include "identify/plan/rehearsal.hpp"
+#include "models/common/progress.hpp"
 
 namespace wems::identify {
 
@@ -29,8 +29,7 @@ struct PlanOptions {
     FitOptions fit;
     AskedSetup asked;
     std::size_t most_proposals = 5;
-    /// Told before each step: its share of the whole (0 to 1) and what it is. May be empty.
-    std::function<void(double, const std::string&)> progress;
+    ProgressListener progress;  ///< may be empty
 };
 
 struct Proposal {

@@ -34,7 +34,7 @@ class Listener : public identify::commands::Watcher {
 public:
     using Event = std::pair<std::string, double>;  ///< what, share of the whole done (0: not known)
 
-    void onStep(const std::string& what, double from, double /*to*/) override { say(what, from); }
+    void onStep(const ProgressEvent& step) override { say(step.what, step.from); }
     void onProgress(double done, const std::string& what) override { say(what, done); }
     void stop() { stopped_ = true; }
     bool stopped() const { return stopped_; }

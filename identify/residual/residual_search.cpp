@@ -23,7 +23,7 @@ std::string describe(const Hypothesis& hypothesis) {
 
 class Searcher {
 public:
-    Searcher(const ResidualProblem& problem, const std::function<void(const std::string&)>& progress)
+    Searcher(const ResidualProblem& problem, const ProgressListener& progress)
         : problem_(problem), progress_(progress) {}
 
     ResidualAnswer run() {
@@ -45,7 +45,7 @@ private:
     const Hypothesis& at(int h) const { return problem_.hypotheses()[h]; }
     double judge(const ResidualFit& fit) const { return problem_.calcErrors(fit.values).validation; }
     void tell(const std::string& text) const {
-        if (progress_) progress_(text);
+        if (progress_) progress_({text});
     }
 
     /// Numbers beyond their tolerance, mechanisms with the sign that they can have.
@@ -215,7 +215,7 @@ private:
     }
 
     const ResidualProblem& problem_;
-    const std::function<void(const std::string&)>& progress_;
+    const ProgressListener& progress_;
     ResidualFit best_;
     ResidualAnswer answer_;
 };
@@ -237,7 +237,7 @@ ResidualFit leaveOut(const ResidualProblem& problem, const ResidualFit& fit, int
     return problem.fit(others, fit.samples, start, held);
 }
 
-ResidualAnswer searchCauses(const ResidualProblem& problem, const std::function<void(const std::string&)>& progress) {
+ResidualAnswer searchCauses(const ResidualProblem& problem, const ProgressListener& progress) {
     return Searcher(problem, progress).run();
 }
 

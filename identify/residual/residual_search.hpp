@@ -3,10 +3,10 @@
 /// most probable numbers (residual_problem.hpp), as far as the tests that judge need them.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "identify/residual/residual_problem.hpp"
+#include "models/common/progress.hpp"
 
 namespace wems::identify {
 
@@ -17,7 +17,7 @@ struct ResidualAnswer {
     std::vector<Decision> decisions;
 };
 
-ResidualAnswer searchCauses(const ResidualProblem& problem, const std::function<void(const std::string&)>& progress);
+ResidualAnswer searchCauses(const ResidualProblem& problem, const ProgressListener& progress);
 
 /// The best fit without one cause: a mechanism left out, a number kept at its tolerance; all else is fitted anew.
 ResidualFit leaveOut(const ResidualProblem& problem, const ResidualFit& fit, int member);

@@ -27,7 +27,7 @@ constexpr double kSure = 0.95;
 
 class Selector {
 public:
-    Selector(TestProblem& problem, const FreeJudge& judge, const std::function<void(const std::string&)>& progress)
+    Selector(TestProblem& problem, const FreeJudge& judge, const ProgressListener& progress)
         : problem_(problem),
           judge_(judge),
           progress_(progress),
@@ -83,7 +83,7 @@ private:
     }
 
     void tell(const std::string& text) const {
-        if (progress_) progress_(text);
+        if (progress_) progress_({text});
     }
     const Hypothesis& at(int hypothesis) const { return problem_.hypotheses()[hypothesis]; }
     Evidence ownEvidence() const { return makeEvidence(problem_, state_.view, state_.scales, true); }
@@ -380,7 +380,7 @@ private:
 
     TestProblem& problem_;
     const FreeJudge& judge_;
-    const std::function<void(const std::string&)>& progress_;
+    const ProgressListener& progress_;
     Settler settler_;
     SettledSearch settled_;
     Standing standing_;
@@ -411,8 +411,7 @@ double Selection::probabilityOf(int hypothesis) const {
     return all > 0 ? with / all : 0;
 }
 
-Selection selectCauses(TestProblem& problem, const FreeJudge& judge,
-                       const std::function<void(const std::string&)>& progress) {
+Selection selectCauses(TestProblem& problem, const FreeJudge& judge, const ProgressListener& progress) {
     return Selector(problem, judge, progress).run();
 }
 

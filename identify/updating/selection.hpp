@@ -2,7 +2,6 @@
 /// Which causes the recordings speak for: rounds of linearisation, search by evidence, and moving to the best estimate.
 #pragma once
 
-#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -31,8 +30,7 @@ struct Selection {
 };
 
 /// @param progress may be empty
-Selection selectCauses(TestProblem& problem, const FreeJudge& judge,
-                       const std::function<void(const std::string&)>& progress);
+Selection selectCauses(TestProblem& problem, const FreeJudge& judge, const ProgressListener& progress);
 
 /// Evidence of all runs, or of the identification runs alone, at a view.
 Evidence makeEvidence(const TestProblem& problem, const TestView& view, const BlockScales& scales,

@@ -79,7 +79,7 @@ public:
 
 private:
     void tell(const std::string& text) const {
-        if (options_.progress) options_.progress(text);
+        if (options_.progress) options_.progress({text});
     }
     const Hypothesis& at(int hypothesis) const { return problem_.hypotheses()[hypothesis]; }
     const Unknown& row(int index) const { return problem_.table()[index]; }

@@ -2,11 +2,11 @@
 /// What a diagnosis answers: verdict, causes, adjustments, errors, and how it came to them.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "models/common/progress.hpp"
 #include "models/mount_model.hpp"
 
 namespace wems::identify {
@@ -90,7 +90,7 @@ struct Diagnosis {
 };
 
 struct DiagnosisOptions {
-    std::function<void(const std::string&)> progress;  ///< may be empty
+    ProgressListener progress;  ///< may be empty
 };
 
 /// `explained`, `nothing_missing`, `unexplained`.

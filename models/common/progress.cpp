@@ -43,12 +43,12 @@ void Progress::show(double fraction, const std::string& what) {
     write(numbers + what);
 }
 
-void Progress::step(const std::string& what, double from, double to) {
+void Progress::step(const ProgressEvent& event) {
     if (!wanted_) return;
     const std::lock_guard<std::mutex> lock(mutex_);
-    what_ = what;
-    whole_ = from > 0 ? spent() / from : 0;
-    later_ = whole_ * (1 - to);
+    what_ = event.what;
+    whole_ = event.from > 0 ? spent() / event.from : 0;
+    later_ = whole_ * (1 - event.to);
     writeStep();
     if (!writer_.joinable()) writer_ = std::thread([this] { keepWriting(); });
 }

@@ -4,11 +4,21 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
 
 namespace wems {
+
+/// A step of a long computation, told as it begins.
+struct ProgressEvent {
+    std::string what;  ///< plain words, such as `motion of both parts`
+    /// Parts of the whole time between which it usually lies; 0 and 1: not known.
+    double from = 0, to = 1;
+};
+/// Told by the thread that computes. What it throws ends the computation.
+using ProgressListener = std::function<void(const ProgressEvent&)>;
 
 /// One line on standard error that is overwritten: what is being done, the time spent and, as far as it can be told,
 /// the time left. It goes with the object. Writes nothing where standard error is not a terminal.
@@ -25,10 +35,9 @@ public:
     void show(double fraction, const std::string& what);
     /// True where show() would write now; spares its caller the text otherwise.
     bool due() const;
-    /// A step that tells nothing until it is over, shown at once; its times go on by themselves, once a second.
-    /// @param from, to where the step usually begins and ends, as parts of the whole time; the time left follows from
-    /// what the steps before took. Absent: not known beforehand.
-    void step(const std::string& what, double from = 0, double to = 1);
+    /// A step that tells nothing until it is over, shown at once; its times go on by themselves, once a second. The
+    /// time left follows from what the steps before took.
+    void step(const ProgressEvent& event);
 
 private:
     using Clock = std::chrono::steady_clock;

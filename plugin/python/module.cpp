@@ -63,7 +63,7 @@ std::shared_ptr<Recording> simulateWith(const std::shared_ptr<MountModel>& given
         SimulationSettings settings = makeSettings(options, excitation);
         const double end = excitation.times.back();
         double said = 0;
-        watcher.onStep("simulation", 0, 1);
+        watcher.onStep({"simulation"});
         settings.progress = [&](double t) {
             constexpr double often = 0.005;  // of the run
             if (t - said < often * end) return;

@@ -122,10 +122,12 @@ TEST_CASE("ResidualProblem: independent values of a residual that remembers") {
 TEST_CASE("searchCauses: a mechanism that is there is named, one that is not is left out") {
     const auto seed = test::drawSeed();
     CAPTURE(seed);
-    const auto quiet = [](const std::string&) {};
+    std::vector<std::string> steps;
+    const auto listen = [&](const ProgressEvent& step) { steps.push_back(step.what); };
     // 0.5 is twenty standard errors; without it, odds of 0.1 and Occam's factor of some 60 stand against chance.
     const Line there(1.03, 0.5, seed), absent(1.03, 0, seed);
-    const ResidualAnswer named = searchCauses(there, quiet), none = searchCauses(absent, quiet);
+    const ResidualAnswer named = searchCauses(there, listen), none = searchCauses(absent, {});
+    CHECK_FALSE(steps.empty());
     CHECK(named.best.set == HypothesisSet{0});
     CHECK(named.best.values[1] == Approx(0.5).margin(0.12));
     CHECK(none.best.set.empty());
