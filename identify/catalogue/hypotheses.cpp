@@ -128,7 +128,8 @@ private:
         addNumber("elastomer_stiffness", "stiffness", true);
         addNumber("viscous_damping", "damping", false);
         addNumber("structural_damping", "loss_factor", true);
-        addNumber("friction", "friction_force", false);
+        addShaped("friction", "friction_force", "transition_velocity",
+                  [&](int i, int a) { return at(row(placeOf(i, a) + ".transition_velocity")).believed; });
         addNumber("cubic_stiffness", "cubic", false);
         addNumber("stiffness_drift", "drift", true);
         for (const double corner : {0.5 * scales_.lowest, std::sqrt(scales_.lowest * scales_.highest), scales_.highest})

@@ -15,6 +15,9 @@ namespace {
 
 // A number that a hypothesis sets free may be off by this part of itself; beyond it the reader would have noticed.
 constexpr double kReach = 0.5;
+// Of the largest velocity: where friction is sought first to fade. The law's own default of 1 mm/s is none for mounts
+// that move twenty times faster than others.
+constexpr double kTransition = 0.02;
 constexpr double kSmallStep = 1e-3;  // of the reach: finite differences of smooth laws, far above round-off
 
 double findTolerance(ToleranceOf what, const Tolerances& own, const Tolerances& all) {
@@ -97,15 +100,7 @@ private:
         addNumber(i, a, "cubic", &AxisLaw::cubic, "N/m^3", 0, kReach * k / (q * q));
         addNumber(i, a, "loss_factor", &AxisLaw::loss_factor, "-", 0, 0.2, 0);
         addNumber(i, a, "drift", &AxisLaw::drift, "1/s", 0, kReach / scales_.duration);
-        addLaw(
-            i, a, "friction_force", "N", 0, 0.2 * force,
-            [](const AxisLaw& l) { return l.friction ? l.friction->force : 0.0; },
-            [](AxisLaw& l, double value) {
-                if (!l.friction && value == 0) return;
-                if (!l.friction) l.friction = Friction{};
-                l.friction->force = value;
-            },
-            0);
+        addFriction(i, a, 0.2 * force, kTransition * v);
         addLaw(
             i, a, "stiffness_ratio", "-", 0, 0.5,
             [](const AxisLaw& l) { return l.relaxation ? l.relaxation->stiffness_ratio : 0.0; },
@@ -151,6 +146,24 @@ private:
                 for (Stop& stop : l.stops) stop.dissipation = value;
             },
             0);
+    }
+
+    /// @param size of its force, N
+    /// @param transition velocity below which it fades if the model does not say, m/s
+    void addFriction(int i, int a, double size, double transition) {
+        const auto addOne = [&](const char* key, const char* unit, double Friction::*member, double absent,
+                                double reach, double least) {
+            addLaw(
+                i, a, key, unit, 0, reach,
+                [=](const AxisLaw& l) { return l.friction ? (*l.friction).*member : absent; },
+                [=](AxisLaw& l, double value) {
+                    if (!l.friction) l.friction = Friction{0, transition, {}};
+                    (*l.friction).*member = value;
+                },
+                least);
+        };
+        addOne("friction_force", "N", &Friction::force, 0, size, 0);
+        addOne("transition_velocity", "m/s", &Friction::transition_velocity, transition, transition, 1e-3 * transition);
     }
 
     /// @param size of its force, N

@@ -232,13 +232,10 @@ private:
         next.set.insert(std::lower_bound(next.set.begin(), next.set.end(), hypothesis), hypothesis);
         settler_.settle(next, kMostRefining, true);
         const FreeError judged = judge_(next.point, next.set);
-        // A number moved before it had a name. What the prediction makes of it shows where it is brought back to its
-        // tolerance; beside that the last few per cent only say where the simulation jumps.
-        if (isSensorFault(at(hypothesis))
-                ? judged.error > (1 + kWorth) * standing_.judged.error
-                : judge_(bringBack(problem_, next, at(hypothesis)), next.set).error < (1 + kWorth) * judged.error)
-            return false;
         const Evidence evidence = makeEvidence(problem_, next.view, next.scales, true);
+        const bool needed = isSensorFault(at(hypothesis)) ? judged.error <= (1 + kWorth) * standing_.judged.error
+                                                          : isNeededBeyond(next, judged, hypothesis, evidence);
+        if (!needed) return false;
         const Posterior posterior = evidence.calcPosterior(next.set);
         const double probability = calcBeyondProbability(problem_, at(hypothesis), next.point, posterior);
         if (probability < 0.5 || !isBorneOut(next, hypothesis, evidence)) return false;
@@ -252,6 +249,15 @@ private:
         decision.error = standing_.judged.error;
         result_.decisions.push_back(decision);
         return true;
+    }
+
+    /// A number moved before it had a name: what the prediction makes of it shows where it is brought back to its
+    /// tolerance. If all others could then make up for it, the equations must speak for it by far.
+    bool isNeededBeyond(const SetState& next, const FreeError& judged, int hypothesis, const Evidence& evidence) const {
+        if (judge_(bringBack(problem_, next, at(hypothesis)), next.set).error < (1 + kWorth) * judged.error)
+            return false;
+        return evidence.calcLogEvidence(next.set) - evidence.calcLogEvidence(state_.set) > kUnlikely ||
+               !isWorthless(judged, judge_(holdBack(problem_, next, hypothesis, evidence), next.set));
     }
 
     /// Equations that leave much beyond the noise pull at every number that could make up for a little of it. There a
@@ -269,7 +275,7 @@ private:
         for (std::size_t k = 0; k < kBlocks; ++k)
             if (misfits[k] >= kSatisfied) satisfied[k] = {};
         if (std::all_of(satisfied.begin(), satisfied.end(), [](const auto& own) { return own.empty(); })) return false;
-        const Posterior alone = SetEvidence(problem_, satisfied, {}, next.set).calcPosterior();
+        const Posterior alone = SetEvidence(problem_, satisfied, settler_.scalesOf(misfits), next.set).calcPosterior();
         return calcBeyondProbability(problem_, at(hypothesis), problem_.pointAt(alone.mean, next.set), alone) >= kSure;
     }
 

@@ -18,7 +18,8 @@
 namespace wems::identify::updating {
 
 /// Log evidence, 150 to one: what lies so far below the present set is not tried, with exact numbers or with
-/// tolerances; a larger set so far above it is asked for. Other values were not tried.
+/// tolerances; a larger set so far above it is asked for, and a number beyond its tolerance that others could make up
+/// for has a name. Other values were not tried.
 inline constexpr double kUnlikely = 5;
 
 /// Free simulation of the runs that judge, without the faults of sensors that the set names.

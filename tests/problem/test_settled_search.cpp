@@ -94,4 +94,28 @@ TEST_CASE("The best set is taken where it is settled", "[updating]") {
     CHECK(isSatisfied(calcMisfits(sumOf(state.view, true), round.problem().estimateOf(state.point))));
 }
 
+TEST_CASE("Friction is found with the velocity below which it fades", "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const MountModel believed = identify::testing::makeRandomDevice(random);
+    MountModel truth = believed;
+    // Five times the law's own default, a twelfth of the largest velocity of most of these devices.
+    const Friction friction{20, 0.005, {}};
+    truth.connections[0].axis[2].friction = friction;
+    Round round(truth, believed, random);
+    std::string action;
+    REQUIRE(round.takeBest(action));
+    const SetState& state = round.standing().state;
+    REQUIRE(state.set.size() == 1);
+    const Hypothesis& found = round.problem().hypotheses()[state.set.front()];
+    CAPTURE(action, describe(found));
+    CHECK(found.cause == "friction");
+    const auto valueOf = [&](const std::string& name) {
+        return state.point.values[findUnknown(round.problem().table(), name)];
+    };
+    CHECK(valueOf("1.z.friction_force") == Approx(friction.force).epsilon(0.05));
+    CHECK(valueOf("1.z.transition_velocity") == Approx(friction.transition_velocity).epsilon(0.1));
+}
+
 }  // namespace wems::identify::updating
