@@ -1,4 +1,5 @@
 # wems_install_headers(HEADER…): installs these headers of the source tree and what they include of it, each in its folder.
+# An edited one is read again, since it may include others.
 function(wems_install_headers)
   set(waiting ${ARGN})
   set(installed)
@@ -13,6 +14,7 @@ function(wems_install_headers)
       string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" included "${line}")
       list(APPEND waiting ${included})
     endforeach()
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${header})
     get_filename_component(folder ${header} DIRECTORY)
     install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/wems/${folder})
   endwhile()

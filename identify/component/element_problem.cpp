@@ -30,7 +30,7 @@ public:
         addNumber("elastomer_stiffness", "stiffness");
         addNumber("viscous_damping", "damping");
         addNumber("structural_damping", "loss_factor");
-        addNumber("friction", "friction_force");
+        addFriction();
         addNumber("cubic_stiffness", "cubic");
         addNumber("stiffness_drift", "drift");
         addRelaxation();
@@ -65,6 +65,15 @@ private:
         const int index = own(key);
         if (index < 0) return;
         setFree(add(cause, {reach_.place}), index);
+    }
+
+    void addFriction() {
+        const int force = own("friction_force"), transition = own("transition_velocity");
+        if (force < 0) return;
+        Hypothesis& hypothesis = add("friction", {reach_.place});
+        setFree(hypothesis, force);
+        if (believed_.friction && believed_.friction->presliding_stiffness) return;  // such a law has none
+        setFree(hypothesis, transition, kCommonReach * at(transition).believed);
     }
 
     void addRelaxation() {
