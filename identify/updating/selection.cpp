@@ -288,6 +288,14 @@ private:
                });
     }
 
+    /// Whether a cause stays, by the prediction without it. Where the equations leave more than noise, something else
+    /// is at work in them, and what they say of a part below the noise is not believed.
+    bool isWorthKeeping(const FreeError& without) const {
+        const Information all = sumOf(state_.view, true);
+        const bool doubtful = !isNoiseAlone(all, calcMisfits(all, problem_.estimateOf(state_.point)));
+        return !isWorthless(standing_.judged, without) && !(doubtful && isBelowNoise(standing_.judged, without));
+    }
+
     /// Causes of earlier rounds without which the prediction is as good by now.
     void dropWorthless() {
         for (bool changed = true; changed;) {
@@ -296,7 +304,7 @@ private:
             for (const int h : state_.set) {
                 if (isSensorFault(at(h)) || result_.beyond.count(h) > 0 ||
                     std::find(needed_.begin(), needed_.end(), h) != needed_.end() ||
-                    !isWorthless(standing_.judged, judge_(holdBack(problem_, state_, h, evidence), state_.set)))
+                    isWorthKeeping(judge_(holdBack(problem_, state_, h, evidence), state_.set)))
                     continue;
                 state_.set.erase(std::find(state_.set.begin(), state_.set.end(), h));
                 problem_.adopt(state_.set);

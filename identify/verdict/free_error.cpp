@@ -53,7 +53,11 @@ double lowestCompared(const RunMotion& run) {
 }  // namespace
 
 bool isWorthless(const FreeError& with, const FreeError& without) {
-    return without.error < (1 + kWorth) * with.error || without.error < std::hypot(with.error, with.noise_floor);
+    return without.error < (1 + kWorth) * with.error;
+}
+
+bool isBelowNoise(const FreeError& with, const FreeError& without) {
+    return without.error < std::hypot(with.error, with.noise_floor);
 }
 
 // White acceleration noise integrated twice above a frequency f leaves

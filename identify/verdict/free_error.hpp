@@ -39,9 +39,11 @@ inline bool isWorthExplaining(const FreeError& own) {
 /// another simulator true causes changed it by 13 % and more, a mode far above the sweep that was off by noise alone by
 /// 1 %.
 inline constexpr double kWorth = 0.05;
-/// Whether a prediction is as good without a cause: worse by less than that, or by less than the noise that it is
-/// compared with. Errors add as squares.
+/// Whether a prediction is as good without a cause: worse by less than that.
 bool isWorthless(const FreeError& with, const FreeError& without);
+/// Whether a cause's part of the error lies below the noise that the prediction is compared with. Errors add as
+/// squares.
+bool isBelowNoise(const FreeError& with, const FreeError& without);
 
 /// One run with what it is compared with.
 struct FreeRun {

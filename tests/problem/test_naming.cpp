@@ -59,10 +59,10 @@ TEST_CASE("Naming: noise alone, of every block") {
     CHECK_FALSE(is(1, 1.1));
 }
 
-TEST_CASE("Naming: a cause whose part of the error is less than a twentieth, or than the noise, is worth nothing") {
+TEST_CASE("Naming: a cause's part of the error is less than a twentieth, or less than the noise") {
     CHECK(isWorthless({0.1, 0}, {0.104, 0}));
     CHECK_FALSE(isWorthless({0.1, 0}, {0.106, 0}));
     // Without it √(0.1² + 0.05²) = 0.112 where the noise is half of what is left.
-    CHECK(isWorthless({0.1, 0.05}, {0.11, 0.05}));
-    CHECK_FALSE(isWorthless({0.1, 0.05}, {0.114, 0.05}));
+    CHECK(isBelowNoise({0.1, 0.05}, {0.11, 0.05}));
+    CHECK_FALSE(isBelowNoise({0.1, 0.05}, {0.114, 0.05}));
 }
