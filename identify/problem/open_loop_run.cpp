@@ -99,13 +99,15 @@ double calcPass(double interval, const ExcitedBand& band) {
     return std::min(band.harmonics * band.highest, kOfNyquist * 0.5 / interval / kStop);
 }
 
-double knownNoise(double measured) {
-    return std::isfinite(measured) && measured > kSmallestNoise ? measured : kSmallestNoise;
+/// A noise that is not known, as that of a single channel, is that of round-off.
+double knownNoise(double measured, double smallest = kSmallestNoise) {
+    return std::isfinite(measured) && measured > smallest ? measured : smallest;
 }
 
 /// Noise density of a part's displacement along `direction` at angular frequency w, m²/Hz, one-sided.
 double calcDensity(const PartMotion& part, const Eigen::Matrix<double, 6, 1>& direction, double interval, double w) {
-    const double displacement = knownNoise(part.displacement_noise), acceleration = part.acceleration_noise;
+    const double displacement = knownNoise(part.displacement_noise),
+                 acceleration = knownNoise(part.acceleration_noise, kSmallestAcceleration);
     const double by_displacement =
         displacement * displacement * direction.dot(part.displacement_covariance * direction);
     const double by_acceleration =
@@ -235,8 +237,7 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
     result.fixed_noise = result.fixed_measured ? displacementNoise(run.fixed) : 0.0;
     const auto accelerationNoise = [](const PartMotion& part) {
         if (!part.acceleration_measured) return std::numeric_limits<double>::infinity();
-        const bool known = std::isfinite(part.acceleration_noise) && part.acceleration_noise > kSmallestAcceleration;
-        return known ? part.acceleration_noise : kSmallestAcceleration;
+        return knownNoise(part.acceleration_noise, kSmallestAcceleration);
     };
     result.mobile_acceleration_noise = accelerationNoise(run.mobile);
     result.fixed_acceleration_noise = accelerationNoise(run.fixed);

@@ -70,3 +70,25 @@ TEST_CASE("Noise of a displacement counts from a hundredth of a micrometre on", 
         CHECK(run.fixed_noise == counted);
     }
 }
+
+// One accelerometer on a table has no redundancy, so that its noise is not known. Dry friction acts on the relative
+// velocity without its noise; an unknown noise must not make it zero.
+TEST_CASE("A velocity keeps what it has where the noise of an acceleration is not known", "[linearised run]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const MountModel model = identify::testing::makeRandomDevice(random);
+    identify::testing::RunPlan plan;
+    plan.duration = 2;
+    plan.force = {20, 30, 60};
+    RunMotion motion = estimateMotion(recordRun(model, plan, random), model);
+    for (PartMotion* part : {&motion.mobile, &motion.fixed}) {
+        part->displacement_measured = false;
+        part->acceleration_measured = true;
+        part->acceleration_noise = std::nan("");
+        part->acceleration_covariance.setIdentity();
+    }
+    const OpenLoopRun run = makeOpenLoopRun(motion, model, {5, 50}, {});
+    REQUIRE(run.v.norm() > 0);
+    CHECK((run.quiet_v - run.v).norm() < 0.01 * run.v.norm());
+}
