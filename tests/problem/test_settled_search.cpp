@@ -29,6 +29,17 @@ public:
     bool takeBest(std::string& action) {
         return makeSearch().takeBest(makeOwnEvidence(), listCandidates(), standing_, action);
     }
+    /// The one cause that is taken.
+    const Hypothesis& takeOne() {
+        std::string action;
+        REQUIRE(takeBest(action));
+        CAPTURE(action);
+        REQUIRE(standing_.state.set.size() == 1);
+        return problem_.hypotheses()[standing_.state.set.front()];
+    }
+    double valueOf(const std::string& name) const {
+        return standing_.state.point.values[findUnknown(problem_.table(), name)];
+    }
     TestProblem& problem() { return problem_; }
     const Standing& standing() const { return standing_; }
 
@@ -82,15 +93,9 @@ TEST_CASE("The best set is taken where it is settled", "[updating]") {
     const MountModel believed = identify::testing::makeRandomDevice(random);
     const MountModel truth = scaleHidden(believed, 1.4);
     Round round(truth, believed, random);
-    std::string action;
-    REQUIRE(round.takeBest(action));
+    CHECK(describe(round.takeOne()) == "elastomer_stiffness 1.z");
+    CHECK(round.valueOf(kHidden) == Approx(getParameter(truth, kHidden)).epsilon(0.02));
     const SetState& state = round.standing().state;
-    REQUIRE(state.set.size() == 1);
-    const Hypothesis& found = round.problem().hypotheses()[state.set.front()];
-    CAPTURE(action, describe(found));
-    CHECK(found.cause == "elastomer_stiffness");
-    CHECK(state.point.values[findUnknown(round.problem().table(), kHidden)] ==
-          Approx(getParameter(truth, kHidden)).epsilon(0.02));
     CHECK(isSatisfied(calcMisfits(sumOf(state.view, true), round.problem().estimateOf(state.point))));
 }
 
@@ -104,18 +109,9 @@ TEST_CASE("Friction is found with the velocity below which it fades", "[updating
     const Friction friction{20, 0.005, {}};
     truth.connections[0].axis[2].friction = friction;
     Round round(truth, believed, random);
-    std::string action;
-    REQUIRE(round.takeBest(action));
-    const SetState& state = round.standing().state;
-    REQUIRE(state.set.size() == 1);
-    const Hypothesis& found = round.problem().hypotheses()[state.set.front()];
-    CAPTURE(action, describe(found));
-    CHECK(found.cause == "friction");
-    const auto valueOf = [&](const std::string& name) {
-        return state.point.values[findUnknown(round.problem().table(), name)];
-    };
-    CHECK(valueOf("1.z.friction_force") == Approx(friction.force).epsilon(0.05));
-    CHECK(valueOf("1.z.transition_velocity") == Approx(friction.transition_velocity).epsilon(0.1));
+    CHECK(describe(round.takeOne()) == "friction 1.z");
+    CHECK(round.valueOf("1.z.friction_force") == Approx(friction.force).epsilon(0.05));
+    CHECK(round.valueOf("1.z.transition_velocity") == Approx(friction.transition_velocity).epsilon(0.1));
 }
 
 }  // namespace wems::identify::updating
