@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "identify/updating/naming.hpp"
+#include "identify/updating/number_naming.hpp"
 
 namespace wems::identify::updating {
 namespace {
@@ -17,13 +18,10 @@ static_assert(kMostRounds > static_cast<int>(kMostCauses), "a cause each round, 
 /// Causes of exact numbers, where there are tolerances: what asks for more is asked of the tolerances. No drawn case
 /// had more; on a bench recording the third only took time.
 constexpr std::size_t kMostExact = 2;
-constexpr std::size_t kShown = 8;                     // candidates of a round that its record keeps
-constexpr int kMostSettling = 16, kMostRefining = 3;  // Gauss–Newton steps
-constexpr std::size_t kTried = 8;                     // sets of a round that are judged where they lead
-constexpr int kMostAttempts = 3;                      // of those, sets that are settled and simulated
-/// Probability of lying beyond that satisfied equations must give a number which unsatisfied ones pull at: of the
-/// numbers that they hardly know, one in twenty comes out so by chance.
-constexpr double kSure = 0.95;
+constexpr std::size_t kShown = 8;  // candidates of a round that its record keeps
+constexpr int kMostSettling = 16;  // Gauss–Newton steps
+constexpr std::size_t kTried = 8;  // sets of a round that are judged where they lead
+constexpr int kMostAttempts = 3;   // of those, sets that are settled and simulated
 
 class Selector {
 public:
@@ -45,7 +43,9 @@ public:
             if (!step(round)) break;
         settled_.finish(standing_);
         tell("tolerances");
-        nameNumbers();
+        NamedNumbers named = nameNumbers(problem_, settler_, judge_, kMostCauses, standing_);
+        result_.beyond = std::move(named.beyond);
+        result_.decisions.insert(result_.decisions.end(), named.decisions.begin(), named.decisions.end());
         dropWorthless();
         result_.fitted = state_.point;
         // What the model leaves beyond the noise is no excuse for its prediction: scales of a perfect model.
@@ -204,90 +204,6 @@ private:
         return error <= most;
     }
 
-    /// Numbers that the adjustments carried beyond their tolerance, where the evidence would rather have them free.
-    void nameNumbers() {
-        std::vector<int> refused;
-        while (state_.set.size() < kMostCauses) {
-            const Evidence evidence = ownEvidence();
-            const Posterior posterior = evidence.calcPosterior(state_.set);
-            const std::vector<double> extended = evidence.calcExtensions(state_.set);
-            double most = evidence.calcLogEvidence(state_.set);
-            int best = -1;
-            for (int h = 0; h < static_cast<int>(problem_.hypotheses().size()); ++h) {
-                const double own = extended[h];
-                if (!(own > most) || !isOwnNumbers(at(h)) ||
-                    std::find(refused.begin(), refused.end(), h) != refused.end() ||
-                    calcBeyondProbability(problem_, at(h), state_.point, posterior) < 0.5)
-                    continue;
-                most = own;
-                best = h;
-            }
-            if (best < 0) return;
-            if (!name(best)) refused.push_back(best);
-        }
-    }
-
-    bool name(int hypothesis) {
-        SetState next = state_;
-        next.set.insert(std::lower_bound(next.set.begin(), next.set.end(), hypothesis), hypothesis);
-        settler_.settle(next, kMostRefining, true);
-        const FreeError judged = judge_(next.point, next.set);
-        const Evidence evidence = makeEvidence(problem_, next.view, next.scales, true);
-        const bool needed = isSensorFault(at(hypothesis)) ? judged.error <= (1 + kWorth) * standing_.judged.error
-                                                          : isNeededBeyond(next, judged, hypothesis, evidence);
-        if (!needed) return false;
-        const Posterior posterior = evidence.calcPosterior(next.set);
-        const double probability = calcBeyondProbability(problem_, at(hypothesis), next.point, posterior);
-        if (probability < 0.5 || !isBorneOut(next, hypothesis, evidence)) return false;
-        state_ = std::move(next);
-        standing_.judged = judged;
-        result_.beyond[hypothesis] = probability;
-        Decision decision;
-        decision.action = "beyond its tolerance: " + describe(at(hypothesis));
-        for (const int h : state_.set) decision.causes.push_back(describe(at(h)));
-        decision.misfit = calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point));
-        decision.error = standing_.judged.error;
-        result_.decisions.push_back(decision);
-        return true;
-    }
-
-    /// A number moved before it had a name: what the prediction makes of it shows where it is brought back to its
-    /// tolerance. If all others could then make up for it, the equations must speak for it by far.
-    bool isNeededBeyond(const SetState& next, const FreeError& judged, int hypothesis, const Evidence& evidence) const {
-        if (judge_(bringBack(problem_, next, at(hypothesis)), next.set).error < (1 + kWorth) * judged.error)
-            return false;
-        return evidence.calcLogEvidence(next.set) - evidence.calcLogEvidence(state_.set) > kUnlikely ||
-               !isWorthless(judged, judge_(holdBack(problem_, next, hypothesis, evidence), next.set));
-    }
-
-    /// Equations that leave much beyond the noise pull at every number that could make up for a little of it. There a
-    /// number is a cause only if it takes half of what they leave, as any other cause; or if those that are satisfied
-    /// put it beyond its tolerance by themselves.
-    bool isBorneOut(const SetState& next, int hypothesis, const Evidence& evidence) const {
-        const Information all = sumOf(next.view, true);
-        const Eigen::VectorXd with = problem_.estimateOf(next.point);
-        const std::vector<double> misfits = calcMisfits(all, with);
-        if (isSatisfied(misfits)) return true;
-        if (updating::takesHalf(all, with, problem_.estimateOf(holdBack(problem_, next, hypothesis, evidence))))
-            return true;
-        // From what is believed, where nothing has been pulled yet.
-        Information satisfied = sumOf(problem_.view(problem_.believedPoint(), next.set), true);
-        for (std::size_t k = 0; k < kBlocks; ++k)
-            if (misfits[k] >= kSatisfied) satisfied[k] = {};
-        if (std::all_of(satisfied.begin(), satisfied.end(), [](const auto& own) { return own.empty(); })) return false;
-        const Posterior alone = SetEvidence(problem_, satisfied, settler_.scalesOf(misfits), next.set).calcPosterior();
-        return calcBeyondProbability(problem_, at(hypothesis), problem_.pointAt(alone.mean, next.set), alone) >= kSure;
-    }
-
-    /// Every direction a number of the table with a tolerance, from the present state.
-    bool isOwnNumbers(const Hypothesis& hypothesis) const {
-        return hypothesis.start.empty() && hypothesis.moves.empty() &&
-               std::all_of(hypothesis.directions.begin(), hypothesis.directions.end(), [&](const Direction& own) {
-                   return own.size() == 1 && static_cast<std::size_t>(own.front().first) < problem_.table().size() &&
-                          problem_.table()[own.front().first].deviation > 0;
-               });
-    }
-
     /// Whether a cause stays, by the prediction without it. Where the equations leave more than noise, something else
     /// is at work in them, and what they say of a part below the noise is not believed.
     bool isWorthKeeping(const FreeError& without) const {
@@ -406,12 +322,6 @@ private:
 };
 
 }  // namespace
-
-Evidence makeEvidence(const TestProblem& problem, const TestView& view, const BlockScales& scales,
-                      bool with_validation) {
-    return {combine(sumOf(view, with_validation), scales, problem.reaches()), problem.deviations(),
-            problem.hypotheses()};
-}
 
 double Selection::probabilityOf(int hypothesis) const {
     const auto number = beyond.find(hypothesis);

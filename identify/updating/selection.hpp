@@ -32,8 +32,4 @@ struct Selection {
 /// @param progress may be empty
 Selection selectCauses(TestProblem& problem, const FreeJudge& judge, const ProgressListener& progress);
 
-/// Evidence of all runs, or of the identification runs alone, at a view.
-Evidence makeEvidence(const TestProblem& problem, const TestView& view, const BlockScales& scales,
-                      bool with_validation);
-
 }  // namespace wems::identify::updating

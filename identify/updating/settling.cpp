@@ -78,6 +78,12 @@ bool isSatisfied(const std::vector<double>& misfits) {
     return std::all_of(misfits.begin(), misfits.end(), [](double misfit) { return misfit < kSatisfied; });
 }
 
+Evidence makeEvidence(const TestProblem& problem, const TestView& view, const BlockScales& scales,
+                      bool with_validation) {
+    return {combine(sumOf(view, with_validation), scales, problem.reaches()), problem.deviations(),
+            problem.hypotheses()};
+}
+
 Information sumOf(const TestView& view, bool with_validation) {
     Information all = view.identification;
     if (with_validation) add(all, view.validation);

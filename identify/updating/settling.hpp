@@ -42,6 +42,10 @@ private:
     Evidence evidence_;
 };
 
+/// Evidence of all runs, or of the identification runs alone, at a view.
+Evidence makeEvidence(const TestProblem& problem, const TestView& view, const BlockScales& scales,
+                      bool with_validation);
+
 /// Runs of a view together: the identification runs, or all.
 Information sumOf(const TestView& view, bool with_validation);
 
@@ -54,6 +58,9 @@ inline constexpr double kBeyondNoise = 1.96;
 std::vector<double> calcScatter(const Information& all);
 /// Whether no block leaves more than a perfect model would.
 bool isNoiseAlone(const Information& all, const std::vector<double>& misfits);
+
+/// Gauss–Newton steps of a set that begins near its best numbers.
+inline constexpr int kMostRefining = 3;
 
 class Settler {
 public:
