@@ -160,10 +160,11 @@ Table makeIntervalTable(const Proposal& proposal, std::size_t most) {
     std::stable_sort(rows.begin(), rows.end(),
                      [&](const PlannedInterval* a, const PlannedInterval* b) { return ratio(*a) < ratio(*b); });
     rows.resize(std::min(rows.size(), most));
-    Table table({"parameter", "value", "unit", "now (95 %)", "then (95 %)"});
+    Table table({"parameter", "value", "unit", "now (95 %)", "then (95 %)", "within a factor"});
     for (const PlannedInterval* row : rows)
         table.addRow({row->name, formatNumber(row->value) + (row->assumed ? " assumed" : ""), row->unit,
-                      formatHalfWidth(row->now95, row->value), formatHalfWidth(row->then95, row->value)});
+                      formatHalfWidth(row->now95, row->value), formatHalfWidth(row->then95, row->value),
+                      formatNumber(row->spread, 2)});
     return table;
 }
 
@@ -281,7 +282,8 @@ nlohmann::json makePlanJson(const Plan& plan, const std::string& model_file) {
                                  {"value", numberOrNull(interval.value)},
                                  {"assumed", interval.assumed},
                                  {"now95", intervalOrNull(interval.now95)},
-                                 {"then95", intervalOrNull(interval.then95)}});
+                                 {"then95", intervalOrNull(interval.then95)},
+                                 {"spread", interval.spread}});
         proposals.push_back({{"excitation", describe(proposal.candidate)},
                              {"command", formatCommand(proposal.candidate, model_file)},
                              {"separates", proposal.gain.separates},

@@ -250,6 +250,19 @@ void reportOpenGroups(const Solver& solver, const LinearSystem& system, const Pa
             "model");
 }
 
+JointEstimate makeEstimate(const Solver& solver, const std::vector<Parameter>& parameters, const Eigen::VectorXd& scale,
+                           const Eigen::MatrixXd& covariance) {
+    JointEstimate estimate;
+    estimate.values.resize(scale.size());
+    for (std::size_t j = 0; j < parameters.size(); ++j) {
+        const Eigen::Index row = j;
+        estimate.names.push_back(parameters[j].name);
+        estimate.values[row] = getParameter(solver.model(), parameters[j].name);
+    }
+    estimate.covariance = scale.asDiagonal() * covariance * scale.asDiagonal();
+    return estimate;
+}
+
 void reportUnreachedStops(Solver& solver, FitResult& result) {
     for (const Parameter& parameter : solver.parameters()) {
         if (parameter.kind != ParameterKind::clearance) continue;
@@ -260,6 +273,7 @@ void reportUnreachedStops(Solver& solver, FitResult& result) {
             }))
             continue;
         const double noticed = solver.findNoticedClearance(term);
+        result.unreached[parameter.name] = noticed;
         const std::string stop = parameter.name.substr(0, parameter.name.rfind('.'));
         UnidentifiedGroup entry;
         entry.names = {parameter.name, stop + ".stiffness"};
@@ -290,6 +304,7 @@ void fillResult(Solver& solver, const LinearSystem& system, const ParameterUncer
     std::vector<Parameter> taking_part;
     for (const int p : system.parameters) taking_part.push_back(solver.parameters()[p]);
     const Eigen::MatrixXd covariance = addGeometryError(system, uncertainty.makeCovariance(), options.geometry_error);
+    result.estimate = makeEstimate(solver, taking_part, system.scale, covariance);
     result.directions = findDirections(taking_part, system.information, covariance);
     const Identifiability identifiability =
         findIdentifiable(solver.model(), taking_part, system.scale, covariance,

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <chrono>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -67,10 +68,20 @@ struct UnidentifiedGroup {
     std::string separate_by;
 };
 
+/// All numbers that took part, known one by one or not.
+struct JointEstimate {
+    std::vector<std::string> names;
+    Eigen::VectorXd values;      ///< SI
+    Eigen::MatrixXd covariance;  ///< SI; of directions that the runs leave open several times their sizes
+};
+
 struct FitResult {
     MountModel model;  ///< with the identified values; open combinations shared in proportion to the model's values
     std::vector<FittedParameter> parameters;
     std::vector<UnidentifiedGroup> not_identifiable;
+    JointEstimate estimate;
+    /// Clearance of each stop that was not reached, and up to where it would have been noticed, m.
+    std::map<std::string, double> unreached;
     double residual_fraction = 0;  ///< RMS of the unexplained wrench over that of the demanded one
     double residual_over_noise =
         0;  ///< of the weighted equations, RMS over what the channels' noise gives; 0 if unknown

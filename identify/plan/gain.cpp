@@ -130,4 +130,64 @@ Gain calcGain(const FitResult& now, const FitResult& then) {
     return gain;
 }
 
+namespace {
+
+/// Those elements of the first list that all others have, too.
+template <typename Element, typename ListOf, typename Same>
+std::vector<Element> findCommon(const std::vector<Gain>& gains, const ListOf& listOf, const Same& same) {
+    std::vector<Element> common;
+    for (const Element& element : listOf(gains.front())) {
+        const bool everywhere = std::all_of(gains.begin(), gains.end(), [&](const Gain& gain) {
+            const auto& list = listOf(gain);
+            return std::any_of(list.begin(), list.end(), [&](const Element& other) { return same(element, other); });
+        });
+        if (everywhere) common.push_back(element);
+    }
+    return common;
+}
+
+double halfWidthOf(const std::array<double, 2>& interval) {
+    return 0.5 * (interval[1] - interval[0]);
+}
+
+/// Of one interval with all devices; nothing is foretold where it is not known with one of them.
+void combineWidths(const std::vector<Gain>& gains, std::size_t index, PlannedInterval& interval) {
+    std::vector<double> logarithms;
+    for (const Gain& gain : gains) {
+        const bool known = index < gain.intervals.size() && gain.intervals[index].then95;
+        if (!known || !(halfWidthOf(*gain.intervals[index].then95) > 0)) {
+            interval.then95.reset();
+            return;
+        }
+        logarithms.push_back(std::log(halfWidthOf(*gain.intervals[index].then95)));
+    }
+    double mean = 0, farthest = 0;
+    for (const double logarithm : logarithms) mean += logarithm / static_cast<double>(logarithms.size());
+    for (const double logarithm : logarithms) farthest = std::max(farthest, std::abs(logarithm - mean));
+    interval.then95 = intervalAround(interval.value, std::exp(mean));
+    interval.spread = std::exp(farthest);
+}
+
+}  // namespace
+
+Gain findCommonGain(const std::vector<Gain>& gains) {
+    Gain common = gains.front();
+    const auto equal = [](const auto& a, const auto& b) { return a == b; };
+    common.separates = findCommon<std::vector<std::string>>(
+        gains, [](const Gain& gain) -> const auto& { return gain.separates; }, equal);
+    common.becomes_known = findCommon<std::string>(
+        gains, [](const Gain& gain) -> const auto& { return gain.becomes_known; }, equal);
+    common.combinations = findCommon<UnidentifiedGroup>(
+        gains, [](const Gain& gain) -> const auto& { return gain.combinations; },
+        [](const UnidentifiedGroup& a, const UnidentifiedGroup& b) { return a.combination == b.combination; });
+    double logarithm = 0;
+    for (const Gain& gain : gains) {
+        common.directions = std::min(common.directions, gain.directions);
+        logarithm += std::log(gain.width_ratio) / static_cast<double>(gains.size());
+    }
+    common.width_ratio = std::exp(logarithm);
+    for (std::size_t i = 0; i < common.intervals.size(); ++i) combineWidths(gains, i, common.intervals[i]);
+    return common;
+}
+
 }  // namespace wems::identify

@@ -19,6 +19,7 @@ struct PlannedInterval {
     double value = 0;
     bool assumed = false;
     std::optional<std::array<double, 2>> now95, then95;
+    double spread = 1;  ///< factor that the width then may be wider or narrower by, whichever possible device it is
 };
 
 struct Gain {
@@ -46,5 +47,9 @@ std::vector<std::vector<std::string>> listTies(const FitResult& fit);
 /// A parameter counts as known only if its interval keeps a margin of 1.5 to what a fit calls known: the noise of the
 /// real run is another one, and its motion that of the real device.
 Gain calcGain(const FitResult& now, const FitResult& then);
+
+/// What a run adds whichever of some devices it is made with: what becomes known with all of them, the fewest
+/// directions, the geometric mean of the widths. @param gains at least one, of one run
+Gain findCommonGain(const std::vector<Gain>& gains);
 
 }  // namespace wems::identify

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <random>
 #include <utility>
 
 #include "identify/forward/forward_model.hpp"
+#include "identify/motion/parallel.hpp"
+#include "identify/plan/possible_devices.hpp"
 #include "models/common/error.hpp"
 #include "models/common/format_number.hpp"
 #include "models/mount_model.hpp"
@@ -18,8 +21,13 @@ constexpr double kLadder = 0.70710678;      // from one level to the next lower 
 constexpr int kMostSteps = 10;              // down the ladder: to 1/32
 constexpr std::size_t kRefined = 2;         // candidates that variants are made of
 constexpr std::size_t kVariantsOfEach = 3;  // level, direction and rate of the sweep
-constexpr double kNotable = 2;              // residual over noise from which on the model lacks something
-constexpr double kLeastFraction = 5e-3;     // of the wrench that is unexplained: below, a residual does not matter
+/// Devices that a promise is tried with, beside the fitted one. What holds with n of n holds with the next one with a
+/// probability of (n + 1) / (n + 2) (Laplace's rule of succession): 91 %.
+constexpr int kDevices = 8;
+constexpr unsigned kDeviceSeed = 3;
+constexpr int kMostConfirmed = 8;        // proposals that are tried so
+constexpr double kNotable = 2;           // residual over noise from which on the model lacks something
+constexpr double kLeastFraction = 5e-3;  // of the wrench that is unexplained: below, a residual does not matter
 
 /// Directions in which the device can be driven: each axis, each pair of axes alike, all three.
 std::vector<Eigen::Vector3d> listDirections(const MountModel& model) {
@@ -42,11 +50,15 @@ std::vector<Eigen::Vector3d> listDirections(const MountModel& model) {
 class Planner {
 public:
     Planner(const std::vector<RunMotion>& runs, const MountModel& model, const PlanOptions& options, Plan& plan)
-        : runs_(runs), model_(model), options_(options), plan_(plan), rehearsal_(plan.setup, makeDevice()) {}
+        : runs_(runs), model_(model), options_(options), plan_(plan), rehearsal_(plan.setup, makeDevice()) {
+        const PossibleDevices devices(plan.now, model);
+        std::mt19937_64 random(kDeviceSeed);
+        for (int k = 0; k < kDevices; ++k) possible_.emplace_back(plan.setup, devices.draw(random));
+    }
 
     void run() {
         const std::vector<PlannedRun> candidates = listCandidates();
-        const std::size_t first = candidates.size(), all = first + kRefined * kVariantsOfEach + 1;
+        const std::size_t first = candidates.size(), all = first + kRefined * kVariantsOfEach + 1 + kMostConfirmed;
         for (const PlannedRun& candidate : candidates) {
             tell(all);
             rehearse(limit(candidate));
@@ -60,7 +72,7 @@ public:
                 tell(all);
                 rehearse(limit(variant));
             }
-        order();
+        confirmBest(all);
         finish();
     }
 
@@ -133,12 +145,44 @@ private:
             ++refused_;
             return;
         }
-        std::vector<RunMotion> runs = runs_;
-        runs.push_back(rehearsal_.measure(proposal->candidate));
-        const FitResult then = fitMount(runs, model_, options_.fit);
-        proposal->gain = calcGain(plan_.now, then);
+        proposal->gain = calcGainWith(rehearsal_, proposal->candidate);
         ++plan_.rehearsed;
         plan_.proposals.push_back(std::move(*proposal));
+    }
+
+    Gain calcGainWith(const Rehearsal& rehearsal, const PlannedRun& candidate) const {
+        std::vector<RunMotion> runs = runs_;
+        runs.push_back(rehearsal.measure(candidate));
+        return calcGain(plan_.now, fitMount(runs, model_, options_.fit));
+    }
+
+    /// The first proposals with every possible device, until those that lead have kept their place.
+    void confirmBest(std::size_t all) {
+        for (int tried = 0; tried < kMostConfirmed; ++tried) {
+            order();
+            const auto end =
+                plan_.proposals.begin() + std::min<std::ptrdiff_t>(options_.most_proposals, plan_.proposals.size());
+            const auto next = std::find_if(plan_.proposals.begin(), end,
+                                           [](const Proposal& proposal) { return !proposal.confirmed; });
+            if (next == end) return;
+            tell(all);
+            confirm(*next);
+        }
+        order();
+    }
+
+    void confirm(Proposal& proposal) const {
+        std::vector<Gain> gains(possible_.size());
+        runParallel(possible_.size(), [&](std::size_t k) {
+            try {
+                gains[k] = calcGainWith(possible_[k], proposal.candidate);
+            } catch (const SimulationDiverged&) {
+                gains[k] = {};  // nothing is told with it
+            }
+        });
+        gains.insert(gains.begin(), proposal.gain);
+        proposal.gain = findCommonGain(gains);
+        proposal.confirmed = true;
     }
 
     void tell(std::size_t all) {
@@ -163,7 +207,9 @@ private:
     void finish() {
         auto& proposals = plan_.proposals;
         proposals.erase(std::remove_if(proposals.begin(), proposals.end(),
-                                       [](const Proposal& proposal) { return !proposal.gain.isWorthwhile(); }),
+                                       [](const Proposal& proposal) {
+                                           return !proposal.confirmed || !proposal.gain.isWorthwhile();
+                                       }),
                         proposals.end());
         findTogether();
         keepFirst();
@@ -244,6 +290,7 @@ private:
     const PlanOptions& options_;
     Plan& plan_;
     Rehearsal rehearsal_;
+    std::vector<Rehearsal> possible_;  // as devices that runs and tolerances leave possible
     std::size_t told_ = 0, refused_ = 0;
 };
 

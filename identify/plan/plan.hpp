@@ -8,6 +8,10 @@
 ///    both would call known, and how exactly, is the answer.
 /// 4. Candidates that exceed a limit get the largest level of a geometric ladder below it that keeps it.
 ///
+/// 5. What the first of them promise is asked of devices that runs and tolerances leave possible (PossibleDevices),
+/// each
+///    rehearsed and fitted like the first; only what holds with all of them is promised.
+///
 /// This is optimal design by exchange over a finite list with the local linearisation at the present estimate; the
 /// criterion is not the determinant of the information but what a reader asks first, groups separated, then
 /// directions known, then widths of the widest intervals.
@@ -36,6 +40,7 @@ struct Proposal {
     PlannedRun candidate;
     RunExtent extent;
     Gain gain;
+    bool confirmed = false;  ///< gain with every possible device, not of the fitted one alone
 };
 
 /// A group that no run of the list separates.

@@ -9,6 +9,8 @@
 namespace wems::identify::testing {
 namespace {
 
+constexpr double kBelief = 0.1;  // by which the believed numbers are off at most
+
 double drawBetween(std::mt19937_64& random, double lower, double upper) {
     return std::uniform_real_distribution<double>(lower, upper)(random);
 }
@@ -52,7 +54,10 @@ std::vector<RunMotion> measureAll(const std::vector<Recording>& recordings, cons
 PlanCase drawPlanCase(std::mt19937_64& random) {
     PlanCase drawn;
     drawn.truth = makeRandomDevice(random);
-    drawn.believed = test::perturb(drawn.truth, 0.1, random());
+    drawn.believed = test::perturb(drawn.truth, kBelief, random());
+    for (const ToleranceOf what :
+         {ToleranceOf::stiffness, ToleranceOf::damping, ToleranceOf::clearance, ToleranceOf::stop_stiffness})
+        drawn.believed.tolerances.set(what, kBelief);
     drawn.noise = std::pow(10.0, drawBetween(random, -6.3, -5.3));  // 0.5 to 5 µm
     PlannedRun run;
     run.octaves_per_minute = std::round(drawBetween(random, 24, 36));  // short runs: 6 to 8 s
@@ -95,8 +100,9 @@ PlanOutcome tryBestProposal(const PlanCase& drawn, const Plan& plan, std::mt1993
     for (const PlannedInterval& interval : best.gain.intervals) {
         const FittedParameter* obtained = findByName(fit, interval.name);
         if (obtained == nullptr || !interval.then95) continue;
-        outcome.width_ratios.push_back(((*interval.then95)[1] - (*interval.then95)[0]) /
-                                       (obtained->interval95[1] - obtained->interval95[0]));
+        (interval.spread < 1.5 ? outcome.width_ratios : outcome.wide_width_ratios)
+            .push_back(((*interval.then95)[1] - (*interval.then95)[0]) /
+                       (obtained->interval95[1] - obtained->interval95[0]));
     }
     return outcome;
 }

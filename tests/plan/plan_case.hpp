@@ -25,7 +25,9 @@ PlanCase drawPlanCase(std::mt19937_64& random);
 struct PlanOutcome {
     bool proposed = false;  ///< some group was promised to be separated, or a direction to become known
     std::size_t promised = 0, separated = 0;  ///< groups
-    std::vector<double> width_ratios;         ///< promised over obtained width, of all that both know
+    /// Promised over obtained width, of all that both know: those that the plan says to be known within a factor
+    /// of 1.5, and the others.
+    std::vector<double> width_ratios, wide_width_ratios;
 };
 
 /// Makes the best proposal's run of the true device with noise of its own, and fits all runs from the believed model.

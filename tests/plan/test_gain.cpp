@@ -84,4 +84,32 @@ TEST_CASE("Widths: geometric mean of what narrows, around the values known now")
     CHECK(gain.isBetterThan(calcGain(now, now)));
 }
 
+TEST_CASE("A common gain: what holds with every device") {
+    const FitResult now = makeSumFit();
+    FitResult one = now, two = now;
+    for (FitResult* then : {&one, &two}) {
+        then->parameters.push_back(makeKnown("1.x.stiffness", 1000, 10));
+        then->directions[1].known = true;
+    }
+    one.parameters.push_back(makeKnown("2.x.stiffness", 1000, 20));
+    one.directions[2].known = true;
+    two.parameters[1] = makeKnown("2.y.stiffness", 500, 2);
+    const Gain common = findCommonGain({calcGain(now, one), calcGain(now, two)});
+    CHECK(common.separates.empty());
+    CHECK(common.becomes_known == std::vector<std::string>{"1.x.stiffness"});
+    CHECK(common.directions == 1);
+    CHECK(common.width_ratio == Approx(std::pow(2.0 / 5, 0.25)));  // one of two intervals, with one of two devices
+    CHECK((*common.intervals[1].then95)[1] - 500 == Approx(std::sqrt(5.0 * 2.0)));
+    CHECK(common.intervals[1].spread == Approx(std::sqrt(5.0 / 2.0)));
+    CHECK(common.intervals[2].name == "1.x.stiffness");
+    CHECK(common.intervals[2].spread == Approx(1));
+    CHECK_FALSE(common.intervals[3].then95);  // known with one alone
+    SECTION("a device with which the run cannot be made tells nothing") {
+        const Gain none = findCommonGain({calcGain(now, one), Gain()});
+        CHECK(none.becomes_known.empty());
+        CHECK(none.directions == 0);
+        for (const PlannedInterval& interval : none.intervals) CHECK_FALSE(interval.then95);
+    }
+}
+
 }  // namespace wems::identify
