@@ -158,6 +158,33 @@ double Continuation::distance(const CurvePoint& a, const CurvePoint& b) const {
     return std::hypot((a.Q - b.Q).norm() / amplitude_unit_, (a.parameter - b.parameter) / parameter_unit_);
 }
 
+double Continuation::calcGap(const CurvePoint& a, const CurvePoint& b) const {
+    if (!settings_.largest_gap) return 0;
+    // Half way, a cubic with these tangents lies beside the chord by an eighth of their difference times its length.
+    const double eighth = distance(a, b) / 8;
+    const Eigen::VectorXd beside = eighth * amplitude_unit_ * (a.along_Q - b.along_Q);
+    const double ahead = eighth * parameter_unit_ * (a.along_parameter - b.along_parameter);
+    const double run = b.parameter - a.parameter, tenth = 0.1 * 0.5 * (a.parameter + b.parameter);
+    constexpr double smallest = 0.01;  // of the axis that moves most: one that moves less is judged as if it moved so
+    const Eigen::Index each = balance_.coefficients(), axes = a.Q.size() / each;
+    const auto amplitudeOf = [&](const Eigen::VectorXd& Q, Eigen::Index axis) {
+        return Q.segment(axis * each, each).norm();
+    };
+    const Eigen::VectorXd middle = 0.5 * (a.Q + b.Q) + beside;
+    double largest = 1e-300, worst = 0;
+    for (Eigen::Index axis = 0; axis < axes; ++axis) largest = std::max(largest, amplitudeOf(middle, axis));
+    for (Eigen::Index axis = 0; axis < axes; ++axis) {
+        const double from = amplitudeOf(a.Q, axis), rise = amplitudeOf(b.Q, axis) - from;
+        const double above = amplitudeOf(middle, axis) - (from + 0.5 * rise);
+        const double size = std::max(amplitudeOf(middle, axis), smallest * largest);
+        // At the same parameter; where the curve is steep, at the same amplitude.
+        const double at_parameter = std::abs(above - ahead / run * rise) / size;
+        const double at_amplitude = std::abs(above / rise * run - ahead) / tenth;
+        worst = std::max(worst, std::min(at_parameter, at_amplitude));
+    }
+    return worst / *settings_.largest_gap;
+}
+
 bool Continuation::findStart(Eigen::VectorXd& Q) const {
     Q = balance_.calcLinearMotion(linearAt(settings_.from));
     if (solveAt(settings_.from, Q)) return true;
@@ -241,7 +268,8 @@ std::string Continuation::walk(CurvePoint point, const Visit& visit, bool* close
             if (iterations > 0) {
                 setTangent(point, next);
                 const double turn = next.along_Q.dot(point.along_Q) + next.along_parameter * point.along_parameter;
-                if (turn > straight) {
+                const double gap = calcGap(point, next);
+                if (turn > straight && gap < 1) {
                     const double covered = distance(next, point);
                     next.length = point.length + covered;
                     // A chord passes the start no farther off than it bends.
@@ -254,7 +282,10 @@ std::string Continuation::walk(CurvePoint point, const Visit& visit, bool* close
                         return {};
                     }
                     point = std::move(next);
-                    if (iterations <= quick) step = std::min(growth * std::max(step, length), 10 * longest);
+                    // The gap grows with the square of the step; a little is kept in hand.
+                    const double allowed = 0.8 / std::sqrt(std::max(gap, 1e-6));
+                    if (iterations <= quick)
+                        step = std::min(std::min(growth, allowed) * std::max(step, length), 10 * longest);
                     if (iterations >= slow) step *= shrink;
                     break;
                 }

@@ -23,6 +23,9 @@ struct ContinuationSettings {
     /// Hz; then the parameter is the level, at this frequency. Absent: the parameter is the frequency.
     std::optional<double> at_frequency = std::nullopt;
     double longest_step = 1.0 / 150;  ///< of the range, in the parameter; as much of the typical amplitude times 20
+    /// How far the straight line between two points may pass the curve: of the amplitude of an axis, or this tenth of
+    /// the parameter, whichever is kept sooner. Absent: any distance.
+    std::optional<double> largest_gap = std::nullopt;
     int most_points = 4000;
 };
 
@@ -72,6 +75,8 @@ private:
     CurvePoint startAt(const Eigen::VectorXd& Q, double parameter) const;
     void setTangent(const CurvePoint& before, CurvePoint& point) const;
     int correct(const CurvePoint& border, CurvePoint& point) const;
+    /// How far the straight line between two points passes the curve, over what is allowed.
+    double calcGap(const CurvePoint& a, const CurvePoint& b) const;
     double distance(const CurvePoint& a, const CurvePoint& b) const;
     /// @param[out] closed whether the curve came back to where it began
     std::string walk(CurvePoint point, const Visit& visit, bool* closed) const;

@@ -12,6 +12,8 @@
 namespace wems {
 namespace {
 
+constexpr double kLargestGap = 2e-3;  // less than what a test's amplitude is measured with
+
 /// Displacements of all connections over a period from the coefficients of all coordinates.
 class PeriodOfMotion {
 public:
@@ -146,6 +148,7 @@ ResponseCurve calcResponseCurve(const MountModel& model, const HarmonicInput& in
     ContinuationSettings path;
     path.from = settings.from;
     path.to = settings.to;
+    path.largest_gap = kLargestGap;
     const Continuation continuation(balance, path);
     CurveMeasurer measurer(system, balance, continuation, settings);
     std::vector<CurvePoint> known;
