@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 
 #include "models/recording/recording_reader.hpp"
@@ -11,21 +12,34 @@ using namespace wems::test;
 
 namespace {
 
-/// Half of what lies between the ends of mobile − fixed in a second of a dwell that grew slowly, so that it follows the
-/// curve from the low level up: where several motions are possible, a sudden start may lead to another one.
-double measureDwell(const TemporaryDirectory& folder, const std::string& model, const std::string& level_option,
-                    const std::string& level, double f, const std::string& channel) {
-    runSimulate(folder, {model, "--dwell", std::to_string(f) + ":9", "--fade", "2", level_option, level, "--channels",
-                         "displacement", "--sample-rate", "4000", "--quiet", "-o", "dwell.csv"});
+/// A dwell that grew slowly, so that it follows the curve from the low level up: where several motions are possible, a
+/// sudden start may lead to another one.
+struct Dwell {
+    double amplitude = 0;  ///< half of what lies between the ends of mobile − fixed in the last of two equal stretches
+    double change = 0;     ///< of the amplitude from the first stretch to the last, over the amplitude
+};
+
+/// @param duration s; the stretches are its last seconds but two: one for each eight seconds, each
+Dwell measureDwell(const TemporaryDirectory& folder, const std::string& model, const std::string& level_option,
+                   const std::string& level, double f, const std::string& channel, int duration = 9) {
+    constexpr int rate = 4000;
+    runSimulate(folder, {model, "--dwell", std::to_string(f) + ":" + std::to_string(duration), "--fade", "2",
+                         level_option, level, "--channels", "displacement", "--sample-rate", std::to_string(rate),
+                         "--quiet", "-o", "dwell.csv"});
     const wems::Recording run = wems::readRecording(folder.path() + "/dwell.csv");
     const auto& mobile = run.find("mobile." + channel)->values;
     const auto& fixed = run.find("fixed." + channel)->values;
-    double highest = -1e9, lowest = 1e9;
-    for (std::size_t k = 24000; k < 28000; ++k) {  // 6 to 7 s
-        highest = std::max(highest, mobile[k] - fixed[k]);
-        lowest = std::min(lowest, mobile[k] - fixed[k]);
-    }
-    return 0.5 * (highest - lowest);
+    const int stretch = std::max(1, duration / 8);
+    const auto amplitudeFrom = [&](int second) {
+        double highest = -1e9, lowest = 1e9;
+        for (int k = second * rate; k < (second + stretch) * rate; ++k) {
+            highest = std::max(highest, mobile[k] - fixed[k]);
+            lowest = std::min(lowest, mobile[k] - fixed[k]);
+        }
+        return 0.5 * (highest - lowest);
+    };
+    const double last = amplitudeFrom(duration - 2 - stretch);
+    return {last, std::abs(last / amplitudeFrom(duration - 2 - 2 * stretch) - 1)};
 }
 
 /// Amplitudes of one axis on the stable parts of a curve, by straight lines between points.
@@ -40,6 +54,11 @@ std::vector<double> findStable(const Json& level, std::size_t axis, double f) {
                         u * points[i].at("amplitude")[axis].get<double>());
     }
     return found;
+}
+
+double findNearest(const std::vector<double>& amplitudes, double wanted) {
+    return *std::min_element(amplitudes.begin(), amplitudes.end(),
+                             [&](double a, double b) { return std::abs(a - wanted) < std::abs(b - wanted); });
 }
 
 }  // namespace
@@ -59,15 +78,43 @@ TEST_CASE("response curves agree with time integration, in contact too") {
     CHECK(level.at("incomplete") == "");
     CHECK(level.at("folds").size() == 2);
     for (const double f : c.frequencies) {
-        const double expected = measureDwell(folder, c.model, c.option, c.level, f, c.channel);
+        const double expected = measureDwell(folder, c.model, c.option, c.level, f, c.channel).amplitude;
         const std::vector<double> stable = findStable(level, c.axis, f);
         CAPTURE(c.model, f, expected, stable);
         REQUIRE_FALSE(stable.empty());
-        double nearest = 1e9;
-        for (const double amplitude : stable)
-            if (std::abs(amplitude - expected) < std::abs(nearest - expected)) nearest = amplitude;
-        CHECK(nearest == Approx(expected).epsilon(5e-3));
+        CHECK(findNearest(stable, expected) == Approx(expected).epsilon(5e-3));
     }
+}
+
+// Some half an hour: every dwell that settles to one amplitude beside the stable parts of its curve.
+TEST_CASE("forty dwells at each of four levels lie on the curves", "[.dwells]") {
+    const std::string level = GENERATE("100", "200", "300", "400");
+    constexpr int count = 40;
+    constexpr std::size_t axis = 11;  // 4.z
+    const TemporaryDirectory folder;
+    const Json curve = runJson(folder, {smallsat, "--response", "5:50", "--force", "z=" + level}).at("levels")[0];
+    int settled = 0, within = 0, modulated = 0;
+    for (int k = 0; k < count; ++k) {
+        const double f = 5.5 * std::pow(48 / 5.5, k / (count - 1.0));
+        Dwell dwell;
+        for (const int duration : {12, 40}) {
+            dwell = measureDwell(folder, smallsat, "--force", "z=" + level, f, "4.z", duration);
+            if (dwell.change < 5e-4) break;
+        }
+        const std::vector<double> stable = findStable(curve, axis, f);
+        const bool steady = dwell.change < 5e-4;
+        const double off = stable.empty() ? NAN : findNearest(stable, dwell.amplitude) / dwell.amplitude - 1;
+        settled += steady ? 1 : 0;
+        within += steady && std::abs(off) < 5e-3 ? 1 : 0;
+        modulated += !steady && stable.empty() ? 1 : 0;
+        if (!steady || !(std::abs(off) < 5e-3))
+            std::printf("%s N, %.3f Hz: %.5g mm, changes by %.2g, %zu stable, curve off by %.2g\n", level.c_str(), f,
+                        1e3 * dwell.amplitude, dwell.change, stable.size(), off);
+    }
+    std::printf("%s N: %d settled, %d of them within 0.5 %%; %d go on changing where no motion is stable\n",
+                level.c_str(), settled, within, modulated);
+    CHECK(within == settled);
+    CHECK(settled + modulated == count);
 }
 
 TEST_CASE("response curves: levels, units, files") {
