@@ -12,7 +12,7 @@ export CXX=${CXX:-clang++-14}
 build_packages="ca-certificates g++ clang-14 cmake ninja-build ccache libeigen3-dev libsimbody-dev libtomlplusplus-dev libfast-float-dev
   nlohmann-json3-dev libcli11-dev libboost-math-dev libfftw3-dev libtbb-dev libmatio-dev zlib1g-dev libhdf5-dev libssl-dev libjs-dygraphs libjs-three python3"
 test_packages="xz-utils catch2 clang-format-14 clang-tidy-14 libclang-rt-14-dev
-  chromium chromium-driver python3-selenium help2man snakemake python3-h5py python3-jsonschema
+  chromium chromium-driver python3-selenium poppler-utils help2man snakemake python3-h5py python3-jsonschema
   python3-sphinx python3-myst-parser furo python3-matplotlib
   pybind11-dev python3-dev python3-pytest python3-numpy python3-pandas python3-xarray python3-scipy
   mypy python3-nbclient python3-ipykernel octave"

@@ -25,10 +25,11 @@ function wemsEscape(text) {
   return text.replace(/[&<>"]/g, c => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", "\"": "&quot;" })[c]);
 }
 
-// The part that is in view, of the series that are shown, in the colours of paper.
-function wemsSvg(plot, g, format) {
-  const shown = plot.series.filter((_, i) => g.visibility()[i]), across = 3;
-  const width = 960, left = 90, right = 20, top = 40, inner = { width: width - left - right, height: 400 };
+// The part that is in view, of the series that are shown, in the colours of paper. A picture that is saved has its title.
+function wemsSvg(plot, g, format, { width = 960, height: innerHeight = 400, titled = true } = {}) {
+  const shown = plot.series.filter((_, i) => g.visibility()[i]), across = Math.max(1, Math.floor(width / 300));
+  const left = titled ? 90 : 75, right = 20, top = titled ? 40 : 10, inner = { width: width - left - right, height: innerHeight };
+  const frame = "frame-" + plot.id, grid = 'fill="none" stroke="#d0d7de"';
   const rows = plot.series.length > 1 ? Math.ceil(shown.length / across) : 0;
   const height = top + inner.height + 60 + 20 * rows;
   const xs = g.xAxisRange(), ys = g.yAxisRange(), scale = plot.logY ? Math.log10 : v => v;
@@ -36,11 +37,12 @@ function wemsSvg(plot, g, format) {
   const toY = y => top + inner.height * (scale(ys[1]) - scale(y)) / (scale(ys[1]) - scale(ys[0]));
   const text = (x, y, words, more) => `<text x="${x}" y="${y}" ${more || ""}>${wemsEscape(words)}</text>`;
   const bottom = top + inner.height, parts = [];
-  for (const x of wemsTicks(xs, 10, false))
-    parts.push(`<path class="grid" d="M${toX(x)} ${top}V${bottom}"/>`, text(toX(x), bottom + 18, format(x), 'text-anchor="middle"'));
-  for (const y of wemsTicks(ys, 8, plot.logY))
-    parts.push(`<path class="grid" d="M${left} ${toY(y)}h${inner.width}"/>`, text(left - 6, toY(y) + 4, format(y), 'text-anchor="end"'));
-  parts.push(text(left, 24, plot.title, 'font-weight="bold"'), text(left + inner.width / 2, bottom + 42, plot.x, 'text-anchor="middle"'),
+  for (const x of wemsTicks(xs, Math.max(3, Math.floor(inner.width / 75)), false))
+    parts.push(`<path ${grid} d="M${toX(x)} ${top}V${bottom}"/>`, text(toX(x), bottom + 18, format(x), 'text-anchor="middle"'));
+  for (const y of wemsTicks(ys, Math.max(3, Math.floor(inner.height / 45)), plot.logY))
+    parts.push(`<path ${grid} d="M${left} ${toY(y)}h${inner.width}"/>`, text(left - 6, toY(y) + 4, format(y), 'text-anchor="end"'));
+  if (titled) parts.push(text(left, 24, plot.title, 'font-weight="bold"'));
+  parts.push(text(left + inner.width / 2, bottom + 42, plot.x, 'text-anchor="middle"'),
              text(0, 0, plot.y, `text-anchor="middle" transform="translate(20 ${top + inner.height / 2}) rotate(-90)"`));
   shown.forEach((series, i) => {
     const color = wemsLight[series.color % wemsLight.length];
@@ -52,15 +54,15 @@ function wemsSvg(plot, g, format) {
     });
     const stroke = series.points ? 'stroke-width="2.4" stroke-linecap="round"' :
       'stroke-width="1.4" stroke-linejoin="round"' + (wemsIsDashed(series) ? ' stroke-dasharray="6 3"' : "");
-    parts.push(`<path class="series" clip-path="url(#frame)" fill="none" stroke="${color}" ${stroke} d="${path}"/>`);
+    parts.push(`<path class="series" clip-path="url(#${frame})" fill="none" stroke="${color}" ${stroke} d="${path}"/>`);
     if (rows === 0) return;
     const x = left + (i % across) * inner.width / across, y = bottom + 66 + 20 * Math.floor(i / across);
     parts.push(`<path d="M${x} ${y - 4}h18" fill="none" stroke="${color}" stroke-width="3"/>`, text(x + 24, y, series.name));
   });
   return `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" ` +
     `font-family="sans-serif" font-size="13" fill="#1b1f24"><title>${wemsEscape(plot.title)}</title>` +
-    `<style>.grid{fill:none;stroke:#d0d7de}</style><rect width="100%" height="100%" fill="#fff"/>` +
-    `<clipPath id="frame"><rect x="${left}" y="${top}" width="${inner.width}" height="${inner.height}"/></clipPath>` +
+    `<rect width="100%" height="100%" fill="#fff"/>` +
+    `<clipPath id="${frame}"><rect x="${left}" y="${top}" width="${inner.width}" height="${inner.height}"/></clipPath>` +
     `${parts.join("\n")}<rect x="${left}" y="${top}" width="${inner.width}" height="${inner.height}" fill="none" stroke="#1b1f24"/></svg>\n`;
 }
 

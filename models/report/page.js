@@ -66,6 +66,18 @@ function wemsLegend(plot, g) {
   });
 }
 
+// What a browser records of a canvas for the printer, not all readers of PDF show: on paper a picture of lines stands in
+// its place.
+function wemsPrintAsSvg(plot, draw) {
+  const paper = document.createElement("div"), underneath = 60;  // pixels of numbers and name below the frame
+  paper.className = "paper";
+  addEventListener("beforeprint", () => {
+    paper.innerHTML = draw({ width: plot.clientWidth, height: plot.clientHeight - underneath });
+    plot.after(paper);
+  });
+  addEventListener("afterprint", () => paper.remove());
+}
+
 const wemsPlots = [];  // all of the page, for whoever saves them by a script
 
 function wemsPlot(plot) {
@@ -94,6 +106,6 @@ function wemsPlot(plot) {
     paintLegend();
   };
   addEventListener("resize", () => g.resize());
-  for (const event of ["beforeprint", "afterprint"]) addEventListener(event, repaint);
+  wemsPrintAsSvg(document.getElementById(plot.id), size => wemsSvg(plot, g, format, { ...size, titled: false }));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
 }

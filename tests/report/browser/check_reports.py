@@ -16,6 +16,7 @@ import os
 import re
 import shutil
 import statistics
+import subprocess
 import sys
 import time
 import zlib
@@ -26,7 +27,8 @@ from make_reports import make_reports
 
 SKIPPED = 77
 LARGEST_PAGE = 10e6  # bytes
-FEWEST_PIECES = 200  # of the paths of a plot on paper: grid and axes without a curve have some forty
+FEWEST_COLOURED = 130  # pixels of a plot on paper at 36 dpi; names of series without curves have 12 to 115, curves 160 and more
+FEWEST_PIECES = 100  # of the paths of a plot on paper: grid and frame without a curve have some twenty
 WIDTHS = (1400, 390)
 TABLES = {"set"}  # pages of a table alone
 TRIED = "fit"  # the page whose controls are used; on the others they come from the same code
@@ -87,6 +89,11 @@ CONTROLS = {"button", "checkbox", "combobox", "listbox", "PopUpButton", "ComboBo
 PICTURES = {"img", "image"}
 SHOWN = """return [...document.querySelectorAll("[role=img], [role=group], button, input, select")]
   .filter(element => element.checkVisibility()).map(element => element.tagName);"""
+
+# Characters of the lines of each plot on paper.
+PAPER = """
+return [...document.querySelectorAll(".paper svg")].map(svg =>
+  [...svg.querySelectorAll(".series")].reduce((sum, path) => sum + path.getAttribute("d").length, 0));"""
 
 SET = """arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event("input"));"""
 
@@ -188,17 +195,20 @@ def check_paper(browser, name, checks, out):
     show(browser, WIDTHS[0], True)  # a dark screen prints on white paper all the same
     browser.execute_script("dispatchEvent(new Event('beforeprint'))")
     two_frames(browser)
-    drawn = browser.execute_script(CANVASES, ".plot canvas")
-    for i in range(len(drawn) // 2):
-        checks.check(max(drawn[2 * i:2 * i + 2])[0] > 0.0005, f"{name}: plot {i + 1} is drawn for the paper")
+    plots = len(find(browser, ".plot"))
+    lengths = browser.execute_script(PAPER)
+    checks.check(len(lengths) == plots and all(lengths), f"{name}: each plot has lines on the paper: {lengths}")
     browser.execute_script("dispatchEvent(new Event('afterprint'))")
+    checks.check(not find(browser, ".paper"), f"{name}: the paper's pictures leave the screen again")
     paper = base64.b64decode(browser.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})["data"])
     (out / f"{name}.pdf").write_bytes(paper)
     moving = len(find(browser, ".scene canvas, .surface canvas"))
     images = paper.count(b"/Subtype /Image")
     checks.check(images >= moving, f"{name}: {images} images on paper of {moving} pictures in space")
     pieces = count_pieces(paper)
-    checks.check(pieces >= FEWEST_PIECES * len(drawn) / 2, f"{name}: {pieces} lines on paper in {len(drawn) // 2} plots")
+    checks.check(pieces >= FEWEST_PIECES * plots, f"{name}: {pieces} lines on paper in {plots} plots")
+    coloured = count_coloured(out / f"{name}.pdf")
+    checks.check(coloured >= FEWEST_COLOURED * plots, f"{name}: {coloured} coloured pixels on paper in {plots} plots")
 
 
 def count_pieces(paper):
@@ -211,6 +221,18 @@ def count_pieces(paper):
             continue
         pieces += len(re.findall(rb" [lc]\s", content))
     return pieces
+
+
+def count_coloured(file):
+    """Pixels of the pages that are neither black nor white nor grey, as another program than the browser draws them."""
+    pages = subprocess.run(["pdftoppm", "-r", "36", str(file)], check=True, capture_output=True).stdout
+    coloured, at = 0, 0
+    while at < len(pages):
+        header = re.compile(rb"P6\s+(\d+)\s+(\d+)\s+255\s").match(pages, at)
+        at = header.end() + 3 * int(header[1]) * int(header[2])
+        pixels = memoryview(pages)[header.end():at]
+        coloured += sum(max(pixel) - min(pixel) > 60 for pixel in zip(pixels[::3], pixels[1::3], pixels[2::3]))
+    return coloured
 
 
 def check_page(browser, name, checks, out):
