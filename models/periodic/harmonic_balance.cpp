@@ -121,8 +121,28 @@ HarmonicBalance::HarmonicBalance(const PeriodicSystem& system, int harmonics)
     constexpr int samples_per_harmonic = 24, fewest = 256;
     const Eigen::Index count = std::max(fewest, samples_per_harmonic * harmonics);
     fillBasis(harmonics, count, 0, basis_, slope_basis_);
+    fillBasis(harmonics, count, 0.5, middle_basis_, middle_slope_basis_);
     projection_ = 2.0 / static_cast<double>(count) * basis_.transpose();
     projection_.row(0) /= 2;
+    Eigen::MatrixXd twice, unused;
+    fillBasis(2 * harmonics, count, 0, twice, unused);
+    moments_ = 1 / static_cast<double>(count) * twice.transpose();
+}
+
+Eigen::MatrixXd HarmonicBalance::projectProduct(const Eigen::VectorXd& factor) const {
+    const Eigen::VectorXd moments = moments_ * factor;
+    const auto cosine = [&](int m) { return moments[std::abs(m)]; };
+    const auto sine = [&](int m) { return m == 0 ? 0.0 : (m < 0 ? -1 : 1) * moments[2 * harmonics_ + std::abs(m)]; };
+    Eigen::MatrixXd product(coefficients_, coefficients_);
+    for (int k = 0; k <= harmonics_; ++k)
+        for (int j = 0; j <= harmonics_; ++j) {
+            const double mean = j == 0 ? 0.5 : 1;
+            product(j, k) = mean * (k == 0 ? 2 * cosine(j) : cosine(j - k) + cosine(j + k));
+            if (k > 0) product(j, harmonics_ + k) = mean * (sine(j + k) + sine(k - j));
+            if (j > 0) product(harmonics_ + j, k) = k == 0 ? 2 * sine(j) : sine(j + k) + sine(j - k);
+            if (j > 0 && k > 0) product(harmonics_ + j, harmonics_ + k) = cosine(j - k) - cosine(j + k);
+        }
+    return product;
 }
 
 HarmonicBalance::Linear HarmonicBalance::calcLinear(double frequency) const {
@@ -163,9 +183,14 @@ HarmonicBalance::Nonlinear HarmonicBalance::calcNonlinear(const Eigen::VectorXd&
         const double rounding = 1e-9 * (1 + system_.linear().stiffness.cwiseAbs().maxCoeff());
         if (stiffness.cwiseAbs().maxCoeff() <= rounding && damping.cwiseAbs().maxCoeff() * omega <= rounding) continue;
         nonlinear.force.segment(a * coefficients_, coefficients_) = projection_ * n;
-        Eigen::MatrixXd weighted = stiffness.asDiagonal() * basis_;
-        weighted += omega * (damping.asDiagonal() * slope_basis_);
-        nonlinear.slope[a] = projection_ * weighted;
+        nonlinear.slope[a] = projectProduct(stiffness);
+        if (damping.isZero(0)) continue;
+        // The velocity of c cos kωt + s sin kωt is kω s cos kωt − kω c sin kωt.
+        const Eigen::MatrixXd by_velocity = projectProduct(damping);
+        for (int k = 1; k <= harmonics_; ++k) {
+            nonlinear.slope[a].col(k) -= k * omega * by_velocity.col(harmonics_ + k);
+            nonlinear.slope[a].col(harmonics_ + k) += k * omega * by_velocity.col(k);
+        }
     }
     return nonlinear;
 }
@@ -242,13 +267,10 @@ Eigen::MatrixXcd HarmonicBalance::calcMotion(const Eigen::VectorXd& Q, double fr
     return motion;
 }
 
-HarmonicBalance::History HarmonicBalance::calcHistory(const Eigen::VectorXd& Q, double frequency, Eigen::Index axis,
-                                                      double shift) const {
+HarmonicBalance::History HarmonicBalance::calcMiddleHistory(const Eigen::VectorXd& Q, double frequency,
+                                                            Eigen::Index axis) const {
     const auto own = Q.segment(axis * coefficients_, coefficients_);
-    if (shift == 0) return {basis_ * own, kTwoPi * frequency * (slope_basis_ * own)};
-    Eigen::MatrixXd basis, slope;
-    fillBasis(harmonics_, samples(), shift, basis, slope);
-    return {basis * own, kTwoPi * frequency * (slope * own)};
+    return {middle_basis_ * own, kTwoPi * frequency * (middle_slope_basis_ * own)};
 }
 
 namespace {
@@ -313,7 +335,7 @@ Eigen::VectorXcd calcFloquetMultipliers(const HarmonicBalance& balance, const Ei
     const Eigen::Index count = balance.samples(), axes = J.rows(), n = J.cols();
     Eigen::MatrixXd stiffness(axes, count), damping(axes, count);  // at the middle of each step
     for (Eigen::Index a = 0; a < axes; ++a) {
-        const HarmonicBalance::History history = balance.calcHistory(Q, frequency, a, 0.5);
+        const HarmonicBalance::History history = balance.calcMiddleHistory(Q, frequency, a);
         for (Eigen::Index i = 0; i < count; ++i) {
             const auto value = system.axes()[a].calcValue(history.q[i], history.v[i], balance.halfCell(frequency));
             stiffness(a, i) = value.stiffness;

@@ -115,18 +115,24 @@ public:
     /// x of LinearSystem as complex coefficients, columns k = 0 … H.
     Eigen::MatrixXcd calcMotion(const Eigen::VectorXd& Q, double frequency) const;
 
-    /// q and q' of one axis at equally spaced times of a period, from `shift` times their spacing on.
+    /// q and q' of one axis half way between the samples.
     struct History {
         Eigen::VectorXd q, v;
     };
-    History calcHistory(const Eigen::VectorXd& Q, double frequency, Eigen::Index axis, double shift = 0) const;
+    History calcMiddleHistory(const Eigen::VectorXd& Q, double frequency, Eigen::Index axis) const;
 
 private:
+    /// Coefficients of each function of the series times a factor that is given at the samples: sums and differences of
+    /// the factor's own coefficients up to 2H.
+    Eigen::MatrixXd projectProduct(const Eigen::VectorXd& factor) const;
+
     const PeriodicSystem& system_;
     int harmonics_;
     Eigen::Index axes_, coefficients_;
     Eigen::MatrixXd basis_, slope_basis_;  // samples x coefficients: functions and their derivatives by ωt
-    Eigen::MatrixXd projection_;           // coefficients x samples
+    Eigen::MatrixXd middle_basis_, middle_slope_basis_;  // the same half way between the samples
+    Eigen::MatrixXd projection_;                         // coefficients x samples
+    Eigen::MatrixXd moments_;                            // means over the samples with 1, cos, sin up to 2H
 };
 
 // Stability of a periodic motion: the Floquet multipliers of the equations of motion linearised along it.
