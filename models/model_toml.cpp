@@ -1,17 +1,21 @@
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
 
 #include "models/axis_numbers.hpp"
 #include "models/common/error.hpp"
+#include "models/common/format_number.hpp"
 #include "models/common/text_file.hpp"
 #include "models/common/toml_table.hpp"
 #include "models/device_drawing.hpp"
 #include "models/mount_model.hpp"
 #include "models/sensor_place_toml.hpp"
+#include "models/viscoelastic.hpp"
 
 namespace wems {
 namespace {
@@ -76,10 +80,73 @@ Slider readSlider(TomlTable& table) {
     return slider;
 }
 
+void checkBand(const TomlTable& table, const std::string& key, double lower, double upper) {
+    if (std::log10(upper / lower) > mostDecades())
+        table.fail(key, "spans " + formatNumber(std::log10(upper / lower), 3) + " decades of frequency",
+                   formatNumber(mostDecades(), 2) + " at most");
+}
+
+/// data_sheet = [[10.0, 1.0e5, 0.12], …]: Hz, N/m, loss factor.
+ViscoelasticSeries readDataSheet(const TomlTable& table, const std::vector<std::vector<double>>& cells) {
+    if (cells.empty()) table.fail("data_sheet", "is empty", "rows of frequency (Hz), stiffness (N/m), loss factor");
+    std::vector<StiffnessRow> rows;
+    for (const std::vector<double>& cell : cells) {
+        const std::string key = "data_sheet[" + std::to_string(rows.size()) + "]";
+        const auto refuse = [&](const std::string& what, double value, const char* accepted) {
+            table.fail(key, "has " + what + " " + formatNumber(value), accepted);
+        };
+        if (!(cell[0] > 0)) refuse("the frequency", cell[0], "a number above 0, Hz");
+        if (!rows.empty() && cell[0] <= rows.back().frequency)
+            refuse("the frequency", cell[0], "ascending frequencies");
+        if (!(cell[1] > 0)) refuse("the stiffness", cell[1], "a number above 0, N/m");
+        if (!(cell[2] >= 0)) refuse("the loss factor", cell[2], "a number from 0 on");
+        rows.push_back({cell[0], cell[1], cell[2]});
+    }
+    checkBand(table, "data_sheet", rows.front().frequency, rows.back().frequency);
+    ViscoelasticSeries series = fitSeries(rows);
+    if (series.largest_error > kLargestSheetError)
+        table.fail("data_sheet",
+                   "is " + formatNumber(100 * series.largest_error, 2) + " % off the nearest passive material",
+                   "a stiffness that rises with the frequency as its loss factor demands");
+    return series;
+}
+
+ViscoelasticSeries readSpringPot(TomlTable& table) {
+    SpringPot pot;
+    pot.stiffness = table.requireNumber("stiffness", "N/m");
+    pot.exponent = table.requireNumber("exponent", "");
+    pot.frequency = table.requireNumber("frequency", "Hz");
+    const std::vector<double> band = table.requireNumbers("band", {2}, "two frequencies, Hz");
+    pot.band = {band[0], band[1]};
+    if (!(pot.stiffness > 0)) table.fail("stiffness", "is " + formatNumber(pot.stiffness), "a number above 0, N/m");
+    if (!(pot.exponent > 0 && pot.exponent < 1))
+        table.fail("exponent", "is " + formatNumber(pot.exponent), "above 0, below 1");
+    if (!(pot.frequency > 0)) table.fail("frequency", "is " + formatNumber(pot.frequency), "a number above 0, Hz");
+    if (!(band[0] > 0 && band[1] > band[0])) table.fail("band", "is empty", "two ascending frequencies above 0, Hz");
+    checkBand(table, "band", band[0], band[1]);
+    return makeSeries(pot);
+}
+
+/// What an elastomer is by its data sheet or as a spring-pot adds to its other numbers.
+void readSeries(TomlTable& table, AxisLaw& law) {
+    std::optional<ViscoelasticSeries> series;
+    const auto sheet = table.findRows("data_sheet", 3);
+    if (sheet) series = readDataSheet(table, *sheet);
+    table.readTable("spring_pot", [&](TomlTable& pot) {
+        if (sheet) table.fail("", "has both data_sheet and spring_pot", "one of them");
+        series = readSpringPot(pot);
+    });
+    if (!series) return;
+    law.stiffness += series->stiffness;
+    law.damping += series->damping;
+    law.branches.insert(law.branches.end(), series->branches.begin(), series->branches.end());
+}
+
 AxisLaw readAxis(TomlTable& table) {
     AxisLaw law;
+    const bool has_series = table.has("data_sheet") || table.has("spring_pot");
     for (const AxisNumber& number : kAxisNumbers)
-        law.*number.member = number.presence == AxisNumber::Presence::required
+        law.*number.member = number.presence == AxisNumber::Presence::required && !has_series
                                  ? table.requireNumber(number.key, number.unit)
                                  : table.findNumber(number.key).value_or(0);
     table.readTables("stops", [&law](TomlTable& stop) { law.stops.push_back(readStop(stop)); });
@@ -91,6 +158,7 @@ AxisLaw readAxis(TomlTable& table) {
     table.readTable("hysteresis", [&law](TomlTable& hysteresis) { law.hysteresis = readHysteresis(hysteresis); });
     table.readTables("branches", [&law](TomlTable& branch) { law.branches.push_back(readBranch(branch)); });
     table.readTables("sliders", [&law](TomlTable& slider) { law.sliders.push_back(readSlider(slider)); });
+    readSeries(table, law);
     return law;
 }
 
@@ -170,7 +238,7 @@ void readBracket(TomlTable& table, const std::string& file, MountModel& model) {
 
 void readLoad(TomlTable& table, MountModel& model) {
     const auto gain = table.findNumber("gain");
-    const auto rows = table.findPairs("gain_over_frequency");
+    const auto rows = table.findRows("gain_over_frequency", 2);
     const auto axis_gain = table.findVector("axis_gain");
     const auto part = table.findString("part");
     const auto position = table.findVector("position");
@@ -179,7 +247,10 @@ void readLoad(TomlTable& table, MountModel& model) {
         table.fail("", "has no gain", "gain or gain_over_frequency, axis_gain, part, position");
     if (part && *part != "mobile" && *part != "fixed") table.fail("part", "is \"" + *part + "\"", "mobile, fixed");
     if (gain) model.load = LoadCorrection{{{0.0, *gain}}};
-    if (rows) model.load = LoadCorrection{*rows};
+    if (rows) {
+        model.load.emplace();
+        for (const std::vector<double>& row : *rows) model.load->gain_over_frequency.emplace_back(row[0], row[1]);
+    }
     if (axis_gain) {
         if (!model.load) model.load = LoadCorrection{{{0.0, 1.0}}};
         model.load->axis_gain = *axis_gain;

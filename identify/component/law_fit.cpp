@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "identify/component/block_regression.hpp"
+#include "models/common/non_negative.hpp"
 #include "models/sampled_motion.hpp"
 
 namespace wems::identify {

@@ -183,18 +183,20 @@ long TomlTable::requireInteger(const std::string& key, const std::string& accept
     fail(key, "is of the type " + describe(*node), accepted);
 }
 
-std::optional<std::vector<std::pair<double, double>>> TomlTable::findPairs(const std::string& key) {
+std::optional<std::vector<std::vector<double>>> TomlTable::findRows(const std::string& key, std::size_t columns) {
     const toml::node* node = find(key);
     if (node == nullptr) return std::nullopt;
-    const char* accepted = "a list of pairs of numbers";
-    std::vector<std::pair<double, double>> pairs;
+    const std::string numbers = std::to_string(columns) + " numbers", accepted = "a list of rows of " + numbers;
+    std::vector<std::vector<double>> rows;
     for (const toml::node& element : toArray(*node, key, accepted)) {
-        const std::string element_key = key + "[" + std::to_string(pairs.size()) + "]";
-        const toml::array& pair = toArray(element, element_key, accepted);
-        if (pair.size() != 2) fail(element_key, "has " + std::to_string(pair.size()) + " values", "two numbers");
-        pairs.emplace_back(toNumber(pair[0], element_key), toNumber(pair[1], element_key));
+        const std::string element_key = key + "[" + std::to_string(rows.size()) + "]";
+        const toml::array& cells = toArray(element, element_key, accepted);
+        if (cells.size() != columns) fail(element_key, "has " + std::to_string(cells.size()) + " values", numbers);
+        std::vector<double> row;
+        for (const toml::node& cell : cells) row.push_back(toNumber(cell, element_key));
+        rows.push_back(std::move(row));
     }
-    return pairs;
+    return rows;
 }
 
 bool TomlTable::readTable(const std::string& key, const std::function<void(TomlTable&)>& read) {

@@ -44,8 +44,8 @@ public:
     /// Numbers of a list; every length of `lengths` is accepted.
     std::vector<double> requireNumbers(const std::string& key, const std::vector<std::size_t>& lengths,
                                        const std::string& accepted);
-    /// Rows of two numbers; nullopt if absent.
-    std::optional<std::vector<std::pair<double, double>>> findPairs(const std::string& key);
+    /// Rows of so many numbers; nullopt if absent.
+    std::optional<std::vector<std::vector<double>>> findRows(const std::string& key, std::size_t columns);
 
     /// Calls `read` with the table under this key; false if there is none.
     bool readTable(const std::string& key, const std::function<void(TomlTable&)>& read);

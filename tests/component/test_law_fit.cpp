@@ -3,8 +3,8 @@
 #include <cmath>
 #include <random>
 
-#include "identify/component/block_regression.hpp"
 #include "identify/component/component_diagnosis.hpp"
+#include "models/common/non_negative.hpp"
 #include "models/common/units.hpp"
 #include "models/sampled_motion.hpp"
 #include "tests/seed.hpp"
