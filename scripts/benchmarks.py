@@ -9,7 +9,7 @@ import sys
 
 SHIPPED = pathlib.Path(__file__).resolve().parent.parent / "models" / "shipped"
 SINE = re.compile(r"(?P<hertz>[\d.p]+)Hz_?(?P<pounds>\d+)lbtension(?:(?P<inches>[\d.p]+)amplitude)?\.(?:json|csv)$")
-DROP = re.compile(r"(?P<stiffness>\d+)npmm_(?P<speed>\d)mps_trial\d\.csv$")
+DROP = re.compile(r"(?:(?P<stiffness>\d+)npmm|(?P<threshold>\d+)nthreshold)_(?P<speed>\d)mps(?:_0?(?P<damping>25|5)damping)?_trial\d\.csv$")
 
 
 def identify(program, *arguments):
@@ -59,20 +59,22 @@ def judge_histories(program, fitted, judged):
 
 
 def judge_drop(program, file):
-    """A drop of the CyberDiver: the programmed stiffness by its coil's force."""
+    """A drop of the CyberDiver in the 69 ms after it enters the water: the programmed stiffness by its coil's force, with the
+    interval that gains of 1 % allow. A law with a threshold has it up to that force."""
     found = DROP.search(file.name)
-    known, begin = float(found["stiffness"]) * 1e3, 0.301 if found["speed"] == "3" else 0.401
-    result = identify(program, "surface", file, "--columns", SHIPPED / "cyberdiver_columns.toml", "--from", begin, "--to",
-                      begin + 0.069)
+    known, begin = float(found["stiffness"] or 15) * 1e3, 0.1 * float(found["speed"]) + 0.001
+    result = identify(program, "surface", file, "--columns", SHIPPED / "cyberdiver_columns.toml", "--from", f"{begin:g}", "--to",
+                      f"{begin + 0.069:g}")
     if "refused" in result:
         return Row(file.name, "stiffness", result["refused"], f"{known:.0f} N/m", "refused")
-    values = {p["name"]: p for p in result["parameters"]}
-    stiffness = values.get("1.z.stiffness")
-    if stiffness is None:
-        return Row(file.name, "kind", result["kind"], f"linear, {known:.0f} N/m", "short")
-    off = stiffness["value"] / known - 1
-    return Row(file.name, "stiffness", f"{stiffness['value']:.0f} N/m ({100 * off:+.2f} %)", f"{known:.0f} N/m",
-               "holds" if abs(off) < 0.01 else "short")
+    stiffness = [p for p in result["parameters"] if ".stiffness" in p["name"]]
+    if not stiffness:
+        return Row(file.name, "kind", result["kind"], f"{known:.0f} N/m", "short")
+    best = max(stiffness, key=lambda p: p["value"])
+    low, high = best["interval95_with_gains"]
+    off = best["value"] / known - 1
+    return Row(file.name, "stiffness", f"{result['kind']}: {best['value']:.0f} N/m ({100 * off:+.2f} %), {low:.0f} to {high:.0f}",
+               f"{known:.0f} N/m", "holds" if low <= known <= high else "short")
 
 
 def find(folder):
@@ -114,6 +116,11 @@ def main():
     if pairs:
         print(f"histories: {sum(row.cells[4] == 'holds' for row in rows if 'judged' in row.cells[1])} of {len(pairs)} pairs "
               "judged within 0.45")
+    for kind in ("npmm", "nthreshold"):
+        verdicts = [row.cells[4] for row in rows if kind in row.cells[0] and DROP.search(row.cells[0])]
+        if verdicts:
+            print(f"drops with a {'stiffness' if kind == 'npmm' else 'force threshold'}: the interval holds the programmed stiffness in "
+                  f"{verdicts.count('holds')} of {len(verdicts)}")
     if arguments.json:
         arguments.json.write_text(json.dumps([dict(zip(header, row.cells)) for row in rows], indent=1) + "\n")
 

@@ -82,9 +82,9 @@ nlohmann::json formatResult(const ComponentData& data, const SurfaceKind& kind, 
             {"window", {data.time[0], data.time[data.count() - 1]}},
             {"kind", kind.name},
             {"statement", kind.statement},
-            {"parameters", formatParameters(kind.parameters)},
+            {"parameters", formatParameters(kind.parameters, kind.gains)},
             {"residual", {{"fraction", left}}},
-            {"law_with_memory", toJson(laws, others)},
+            {"law_with_memory", toJson(laws, others, kind.gains)},
             {"verdict", formatLawVerdict(judgeLaw(left, std::numeric_limits<double>::infinity()))},
             {"candidates", candidates},
             {"effective_samples", kind.effective_samples},
@@ -107,7 +107,8 @@ void printResult(const ComponentData& data, const SurfaceKind& kind, const LawSe
               << " mm\n";
     std::cout << "kind: " << kind.name << (data.qualitative ? " (qualitative)" : "") << ". " << kind.statement
               << "\n\n";
-    std::cout << tabulateParameters(kind.parameters).format(outputStyle()) << "\n";
+    std::cout << tabulateParameters(kind.parameters).format(outputStyle()) << describeGains(kind.parameters, kind.gains)
+              << "\n";
     Table tried({"law tried", "residual", "criterion"});
     for (const auto& c : kind.candidates)
         tried.addRow({c.name, formatNumber(100 * c.fraction, 3) + " %", formatNumber(c.information, 5)});
@@ -136,7 +137,7 @@ nlohmann::json reportFriction(const ComponentData& data, const std::vector<Compo
         for (const auto& other : others)
             validation.push_back({{"file", other.file}, {"error", calcRelativeError(fits.back().law, other)}});
         result.push_back({{"gap", with_gap},
-                          {"parameters", formatParameters(fits.back().parameters)},
+                          {"parameters", formatParameters(fits.back().parameters, gainTolerancesOf(data.source))},
                           {"error", fits.back().relative_error},
                           {"validation", validation}});
     }

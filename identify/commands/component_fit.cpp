@@ -1,5 +1,6 @@
 #include "identify/commands/component_fit.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include "identify/commands/format.hpp"
@@ -16,14 +17,31 @@ LawVerdict judge(const ComponentFit& fit) {
 
 }  // namespace
 
-nlohmann::json formatParameters(const std::vector<ComponentParameter>& parameters) {
+nlohmann::json formatParameters(const std::vector<ComponentParameter>& parameters, const GainTolerances& gains) {
     auto result = nlohmann::json::array();
-    for (const auto& p : parameters)
+    for (const auto& p : parameters) {
+        const auto wide = calcIntervalWithGains(p, gains);
         result.push_back({{"name", p.name},
                           {"value", numberOrNull(p.value)},
                           {"unit", p.unit},
-                          {"interval95", {numberOrNull(p.lower), numberOrNull(p.upper)}}});
+                          {"interval95", {numberOrNull(p.lower), numberOrNull(p.upper)}},
+                          {"interval95_with_gains", {numberOrNull(wide[0]), numberOrNull(wide[1])}}});
+    }
     return result;
+}
+
+std::string describeGains(const std::vector<ComponentParameter>& parameters, const GainTolerances& gains) {
+    std::string text;
+    for (const auto& p : parameters) {
+        const auto wide = calcIntervalWithGains(p, gains);
+        constexpr double notable = 1.1;  // times as wide: less is not worth a reader's time
+        if (!std::isfinite(wide[0]) || wide[1] - wide[0] < notable * (p.upper - p.lower)) continue;
+        text += (text.empty() ? "" : "; ") + p.name + " " + formatNumber(wide[0]) + " to " + formatNumber(wide[1]) +
+                " " + p.unit;
+    }
+    if (text.empty()) return text;
+    return "with gains within " + formatPercent(gains.force) + " of the force and " +
+           formatPercent(gains.displacement) + " of the displacement: " + text + "\n";
 }
 
 Table tabulateParameters(const std::vector<ComponentParameter>& parameters) {
@@ -37,7 +55,7 @@ nlohmann::json toJson(const ComponentFit& fit) {
     nlohmann::json unknown = nlohmann::json::array();
     for (const auto& u : fit.not_identifiable)
         unknown.push_back({{"names", {u.name}}, {"known_combination", ""}, {"separate_by", u.separate_by}});
-    return {{"parameters", formatParameters(fit.parameters)},
+    return {{"parameters", formatParameters(fit.parameters, fit.gains)},
             {"not_identifiable", unknown},
             {"residual", {{"fraction", fit.residual_fraction}, {"rms", fit.residual_rms}, {"unit", "N"}}},
             {"verdict", formatLawVerdict(judge(fit))},
@@ -46,7 +64,7 @@ nlohmann::json toJson(const ComponentFit& fit) {
 }
 
 std::string formatText(const ComponentFit& fit, TextStyle style) {
-    std::string text = tabulateParameters(fit.parameters).format(style);
+    std::string text = tabulateParameters(fit.parameters).format(style) + describeGains(fit.parameters, fit.gains);
     for (const auto& u : fit.not_identifiable)
         text += "not identifiable: " + u.name + "; " + u.separate_by + " would tell\n";
     text += "residual: " + formatNumber(100 * fit.residual_fraction, 3) + " % of the force, " +
@@ -56,7 +74,8 @@ std::string formatText(const ComponentFit& fit, TextStyle style) {
     return text;
 }
 
-nlohmann::json toJson(const LawSelection& selection, const std::vector<ComponentData>& others) {
+nlohmann::json toJson(const LawSelection& selection, const std::vector<ComponentData>& others,
+                      const GainTolerances& gains) {
     auto tried = nlohmann::json::array(), validation = nlohmann::json::array();
     for (std::size_t i = 0; i < selection.tried.size(); ++i) {
         const LawFit& fit = selection.tried[i];
@@ -71,7 +90,7 @@ nlohmann::json toJson(const LawSelection& selection, const std::vector<Component
             {{"file", other.file},
              {"root_relative_squared_error", numberOrNull(calcLawError(law.law, law.force_offset, other))}});
     return {{"law", law.terms.name()},
-            {"parameters", formatParameters(law.parameters)},
+            {"parameters", formatParameters(law.parameters, gains)},
             {"root_relative_squared_error", numberOrNull(law.fraction)},
             {"tried", tried},
             {"validation", validation}};

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "identify/component/calibration.hpp"
 #include "identify/fit/intervals.hpp"
 #include "models/common/error.hpp"
 #include "models/sampled_motion.hpp"
@@ -312,6 +313,11 @@ ComponentData extractComponent(const Recording& recording, const ComponentOption
         data.q[i] = (*q)[from];
         data.velocity[i] = (*velocity)[from];
         data.force[i] = force[from];
+    }
+    if (recorded && options.mass) {
+        Eigen::VectorXd other(n);
+        for (Eigen::Index i = 0; i < n; ++i) other[i] = recorded->values[kept[i]];
+        data.notes.push_back(describe(compareForces(data.time, other, data.force), gainTolerancesOf(data.source)));
     }
     if (data.q.maxCoeff() - data.q.minCoeff() <= 0)
         throw InputError({recording.file, 0, "relative." + place}, "the displacement is constant in the window",

@@ -224,6 +224,7 @@ ComponentFit fitComponent(const std::vector<Recording>& recordings, const MountM
     if (problem.start.empty()) result = HingeFit{{}, solveBlocks(problem.base, problem.y, problem.run_starts)};
     sortReached(law.stops, result.hinges, reached);
     const Estimates& e = result.estimates;
+    fit.gains = gainTolerancesOf(data.source, model);
     fit.residual_fraction = e.fraction;
     fit.residual_rms = e.residual.norm() / std::sqrt(static_cast<double>(data.count()));
     fit.effective_samples = static_cast<double>(data.count()) / e.correlation_length;

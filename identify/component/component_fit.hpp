@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "identify/component/calibration.hpp"
 #include "identify/component/component_data.hpp"
 #include "models/mount_model.hpp"
 
@@ -43,6 +44,7 @@ struct ComponentFit {
     double residual_rms = 0;       ///< N
     double force_offset = 0;       ///< N, constant part of the measured force that no law explains
     double effective_samples = 0;  ///< samples over the correlation length of the residual
+    GainTolerances gains;          ///< which no interval of `parameters` knows
     MountModel fitted;             ///< the model with the new values in that axis
     std::vector<std::string> notes;
 };

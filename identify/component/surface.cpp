@@ -221,6 +221,7 @@ void addStrokeParameters(const ComponentData& data, bool gap, SurfaceKind& kind)
 
 SurfaceKind characteriseSurface(const ComponentData& data, double low_force) {
     SurfaceKind kind;
+    kind.gains = gainTolerancesOf(data.source);
     std::vector<Trial> trials;
     for (const bool friction : {false, true}) {
         trials.push_back(tryLaw(data, 0, false, friction));

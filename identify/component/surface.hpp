@@ -26,6 +26,7 @@ struct SurfaceKind {
     std::string statement;                       ///< one sentence that says what was seen
     std::vector<ComponentParameter> parameters;  ///< of the kind that was named
     std::vector<SurfaceCandidate> candidates;
+    GainTolerances gains;          ///< which no interval of `parameters` knows
     double effective_samples = 0;  ///< samples over the correlation length of the best law's residual
     double history_fraction =
         0;  ///< left by a curve over direction and travel since the reversal, full strokes; NaN without
