@@ -135,14 +135,15 @@ std::vector<std::string> listGains(const Proposal& proposal) {
 }
 
 Table makeProposalTable(const Plan& plan) {
-    Table table(
-        {"proposal", "groups separated", "parameters", "directions", "widest intervals", "largest stroke", "at"});
+    Table table({"proposal", "groups separated", "parameters", "directions", "widest intervals", "largest stroke", "at",
+                 "tried with"});
     for (std::size_t p = 0; p < plan.proposals.size(); ++p) {
         const Proposal& proposal = plan.proposals[p];
         table.addRow({std::to_string(p + 1), std::to_string(proposal.gain.separates.size()),
                       "+" + std::to_string(proposal.gain.becomes_known.size()),
                       "+" + std::to_string(proposal.gain.directions), "x " + formatNumber(proposal.gain.width_ratio, 2),
-                      formatNumber(1e3 * proposal.extent.stroke, 3) + " mm", proposal.extent.stroke_at});
+                      formatNumber(1e3 * proposal.extent.stroke, 3) + " mm", proposal.extent.stroke_at,
+                      proposal.confirmed ? "all devices" : "the fitted one"});
     }
     return table;
 }
@@ -290,6 +291,7 @@ nlohmann::json makePlanJson(const Plan& plan, const std::string& model_file) {
                              {"becomes_known", proposal.gain.becomes_known},
                              {"combinations", listCombinations(proposal)},
                              {"directions", proposal.gain.directions},
+                             {"confirmed", proposal.confirmed},
                              {"width_ratio", proposal.gain.width_ratio},
                              {"stroke", {{"value", proposal.extent.stroke}, {"at", proposal.extent.stroke_at}}},
                              {"intervals", std::move(intervals)}});

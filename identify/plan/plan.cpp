@@ -156,19 +156,17 @@ private:
         return calcGain(plan_.now, fitMount(runs, model_, options_.fit));
     }
 
-    /// The first proposals with every possible device, until those that lead have kept their place.
+    /// Whichever leads with every possible device, until one has kept its place.
     void confirmBest(std::size_t all) {
-        for (int tried = 0; tried < kMostConfirmed; ++tried) {
-            order();
-            const auto end =
-                plan_.proposals.begin() + std::min<std::ptrdiff_t>(options_.most_proposals, plan_.proposals.size());
-            const auto next = std::find_if(plan_.proposals.begin(), end,
-                                           [](const Proposal& proposal) { return !proposal.confirmed; });
-            if (next == end) return;
-            tell(all);
-            confirm(*next);
-        }
         order();
+        for (int tried = 0; tried < kMostConfirmed; ++tried) {
+            if (plan_.proposals.empty() || plan_.proposals.front().confirmed) return;
+            tell(all);
+            confirm(plan_.proposals.front());
+            order();
+        }
+        std::stable_partition(plan_.proposals.begin(), plan_.proposals.end(),
+                              [](const Proposal& proposal) { return proposal.confirmed; });
     }
 
     void confirm(Proposal& proposal) const {
@@ -207,9 +205,7 @@ private:
     void finish() {
         auto& proposals = plan_.proposals;
         proposals.erase(std::remove_if(proposals.begin(), proposals.end(),
-                                       [](const Proposal& proposal) {
-                                           return !proposal.confirmed || !proposal.gain.isWorthwhile();
-                                       }),
+                                       [](const Proposal& proposal) { return !proposal.gain.isWorthwhile(); }),
                         proposals.end());
         findTogether();
         keepFirst();

@@ -8,9 +8,10 @@
 ///    both would call known, and how exactly, is the answer.
 /// 4. Candidates that exceed a limit get the largest level of a geometric ladder below it that keeps it.
 ///
-/// 5. What the first of them promise is asked of devices that runs and tolerances leave possible (PossibleDevices),
+/// 5. What the first of them promises is asked of devices that runs and tolerances leave possible (PossibleDevices),
 /// each
-///    rehearsed and fitted like the first; only what holds with all of them is promised.
+///    rehearsed and fitted like the first; only what holds with all of them is promised, and the run that then leads
+///    is the proposal.
 ///
 /// This is optimal design by exchange over a finite list with the local linearisation at the present estimate; the
 /// criterion is not the determinant of the information but what a reader asks first, groups separated, then
