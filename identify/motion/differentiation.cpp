@@ -103,6 +103,28 @@ double findCutoff(const Eigen::MatrixXd& signals, double interval) {
     return std::clamp(1.5 * highest, 0.02 * nyquist, 0.5 * nyquist);
 }
 
+double findAccelerationEnd(const Eigen::MatrixXd& signals, double interval) {
+    constexpr double ratio = 2, share = 0.9;
+    Eigen::VectorXd power;
+    Spectrum spectrum;
+    for (Eigen::Index row = 0; row < signals.rows(); ++row) {
+        spectrum = calcSpectrum(signals.row(row).transpose(), interval, 4096);
+        const Eigen::Index bins = spectrum.density.size(), top = bins / 5;
+        const double floor = ratio * spectrum.density.tail(top).mean();
+        const Eigen::ArrayXd above = (spectrum.density.array() - floor).cwiseMax(0.0);
+        if (power.size() == 0) power = Eigen::VectorXd::Zero(bins);
+        power += (above * spectrum.frequency.array().pow(4)).matrix();
+    }
+    const double all = power.sum();
+    if (!(all > 0)) return 0;
+    double below = 0;
+    for (Eigen::Index bin = 0; bin < power.size(); ++bin) {
+        below += power[bin];
+        if (below >= share * all) return spectrum.frequency[bin];
+    }
+    return spectrum.frequency[power.size() - 1];
+}
+
 namespace {
 
 /// c1, c2 and their derivatives with respect to s = θ². Below s = 0.04 the series to s³ are exact to 1e-13.

@@ -22,6 +22,10 @@ Derivatives differentiate(const Eigen::VectorXd& signal, double interval);
 /// rate: the cutoff for smoothZeroPhase.
 double findCutoff(const Eigen::MatrixXd& signals, double interval);
 
+/// Frequency (Hz) below which nine tenths of the power of the signals' second derivatives (rows together) lie, of what
+/// stands out of their white noise floor; 0 where nothing does.
+double findAccelerationEnd(const Eigen::MatrixXd& signals, double interval);
+
 // Rates of a rotation vector θ, R = exp([θ]×), and angular velocity ω = B(θ) θ', in the outer frame. B is the left
 // Jacobian of SO(3), B = I + c1 [θ]× + c2 [θ]×², c1 = (1 − cos θ)/θ², c2 = (θ − sin θ)/θ³.
 

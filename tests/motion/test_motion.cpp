@@ -5,6 +5,8 @@
 #include "identify/motion/motion.hpp"
 #include "models/bryant.hpp"
 #include "models/common/error.hpp"
+#include "models/common/units.hpp"
+#include "models/mount_model.hpp"
 #include "tests/motion/analytic_motion.hpp"
 #include "tests/seed.hpp"
 
@@ -92,11 +94,32 @@ TEST_CASE("Displacements alone keep p and theta raw and derive the rest") {
     CHECK(run.trusted_from == 0);
     CHECK_FALSE(run.mobile.acceleration_measured);
     CHECK(hasNote(run, "zero-phase derivatives"));
+    CHECK_FALSE(hasNote(run, "too coarsely"));
     const Errors e = calcErrors(c, run, 100);
     CHECK(e.p == Approx(sigma_x / 2).epsilon(0.05));
     CHECK(e.v < 0.01 * run.mobile.v.cwiseAbs().maxCoeff());
     CHECK(e.w < 0.01 * run.mobile.w.cwiseAbs().maxCoeff());
     CHECK(e.a < 0.05 * run.mobile.a.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("Displacements with too few samples in a period: which rate would do") {
+    const MountModel model = parseMountModel(
+        "[body]\nmass = 1.0\ninertia = [0.01, 0.01, 0.01]\nmotion = [\"z\"]\n[[connection]]\nname = \"1\"\n"
+        "position = [0.0, 0.0, 0.0]\n[connection.z]\nstiffness = 1.0e5\n",
+        "one.toml");
+    const double rate = GENERATE(400.0, 2000.0), f = 70;
+    Recording recording = test::makeEmptyRecording(rate, 10);
+    Channel mobile{"mobile.1.z", "m", {}, 2}, fixed{"fixed.1.z", "m", {}, 3};
+    for (const double t : recording.time) {
+        mobile.values.push_back(1e-3 * std::sin(kTwoPi * f * t));
+        fixed.values.push_back(0);
+    }
+    recording.channels = {mobile, fixed};
+    const RunMotion run = estimateMotion(recording, model);
+    CAPTURE(rate, run.notes);
+    // Eight samples in a period are the least that derivatives are trusted with.
+    CHECK(hasNote(run, "too coarsely") == (rate < 8 * f));
+    if (rate < 8 * f) CHECK(hasNote(run, "sample at 56"));
 }
 
 TEST_CASE("Accelerations alone give displacements above 0.6 of the lowest frequency") {

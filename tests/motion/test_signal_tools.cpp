@@ -84,6 +84,23 @@ TEST_CASE("smoothZeroPhase: the gain 1/(1 + (f/cutoff)^6), no delay, a straight 
     CHECK((smoothZeroPhase(line, h, cutoff) - line).cwiseAbs().maxCoeff() < 1e-6);  // how the filter starts
 }
 
+TEST_CASE("findAccelerationEnd: nine tenths of the acceleration, not of the displacement nor of the noise") {
+    const double h = 1e-3;
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<> normal;
+    // Of the accelerations' power 1 : ratio lies at 20 and 160 Hz, of the displacements' 4096 : ratio.
+    const double ratio = GENERATE(0.05, 0.5);
+    Eigen::MatrixXd signals(1, 30000);
+    signals.row(0) = sample(30000, h, [&](double t) {
+                         return std::sin(kTwoPi * 20 * t) + std::sqrt(ratio) / 64 * std::sin(kTwoPi * 160 * t) +
+                                1e-4 * normal(random);
+                     }).transpose();
+    CHECK(findAccelerationEnd(signals, h) == Approx(ratio < 1.0 / 9 ? 20 : 160).margin(1));
+    CHECK(findAccelerationEnd(Eigen::MatrixXd::Zero(2, 5000), h) == 0);
+}
+
 TEST_CASE("findCutoff: above the signal, below where only noise is") {
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
