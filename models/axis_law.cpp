@@ -74,6 +74,18 @@ std::optional<LawProblem> findBranchProblem(const MaxwellBranch& branch, const s
     return findNotPositive(prefix + "time_constant", branch.time_constant, ", s");
 }
 
+/// @param stiffness of the axis, N/m
+std::optional<LawProblem> findRelaxationProblem(const Relaxation& relaxation, double stiffness,
+                                                const std::string& prefix) {
+    if (auto p = findNegative(prefix + "stiffness_ratio", relaxation.stiffness_ratio, "")) return p;
+    if (auto p = findNotPositive(prefix + "time_constant", relaxation.time_constant, ", s")) return p;
+    if (auto p = findOverflow(prefix + "stiffness_ratio", relaxation.stiffness_ratio,
+                              relaxation.stiffness_ratio * stiffness, "its product with the stiffness"))
+        return p;
+    return findOverflow(prefix + "time_constant", relaxation.time_constant, 1 / relaxation.time_constant,
+                        "its reciprocal");
+}
+
 std::optional<LawProblem> findSliderProblem(const Slider& slider, const std::string& prefix) {
     if (auto p = findNegative(prefix + "force", slider.force, ", N")) return p;
     if (auto p = findNotPositive(prefix + "yield_displacement", slider.yield_displacement, ", m")) return p;
@@ -110,14 +122,7 @@ std::optional<LawProblem> findProblem(const AxisLaw& law) {
                               ", since its Maxwell branches would leave no static stiffness"};
     }
     if (law.relaxation) {
-        if (auto p = findNegative("relaxation.stiffness_ratio", law.relaxation->stiffness_ratio, "")) return p;
-        if (auto p = findNotPositive("relaxation.time_constant", law.relaxation->time_constant, ", s")) return p;
-        if (auto p = findOverflow("relaxation.stiffness_ratio", law.relaxation->stiffness_ratio,
-                                  law.relaxation->stiffness_ratio * law.stiffness, "its product with the stiffness"))
-            return p;
-        if (auto p = findOverflow("relaxation.time_constant", law.relaxation->time_constant,
-                                  1 / law.relaxation->time_constant, "its reciprocal"))
-            return p;
+        if (auto p = findRelaxationProblem(*law.relaxation, law.stiffness, "relaxation.")) return p;
     }
     if (law.friction) {
         if (auto p = findFrictionProblem(*law.friction)) return p;
@@ -126,6 +131,10 @@ std::optional<LawProblem> findProblem(const AxisLaw& law) {
         if (auto p = findHysteresisProblem(*law.hysteresis)) return p;
     }
     if (auto p = findListProblem(law.branches, "branches", kMostBranches, findBranchProblem)) return p;
+    const auto check = [&](const Relaxation& part, const std::string& prefix) {
+        return findRelaxationProblem(part, law.stiffness, prefix);
+    };
+    if (auto p = findListProblem(law.spectrum, "spectrum", kMostBranches - law.branches.size(), check)) return p;
     if (auto p = findListProblem(law.sliders, "sliders", kMostSliders, findSliderProblem)) return p;
     return findListProblem(law.stops, "stops", law.stops.size(), findStopProblem);
 }
@@ -135,6 +144,8 @@ AxisForce::AxisForce(const AxisLaw& law) : law_(law), static_stiffness_(law.stif
         branches_.push_back({law.relaxation->stiffness_ratio * law.stiffness, law.relaxation->time_constant});
     }
     branches_.insert(branches_.end(), law.branches.begin(), law.branches.end());
+    for (const Relaxation& part : law.spectrum)
+        branches_.push_back({part.stiffness_ratio * law.stiffness, part.time_constant});
     if (law.loss_factor > 0) {
         const double loss_modulus = law.loss_factor * law.stiffness;
         for (const MaxwellBranch& unit : structuralBranches().branch) {

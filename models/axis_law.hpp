@@ -18,7 +18,8 @@
 ///     ± k_s δ max(0, 1 + χ δ')                           Hunt–Crossley with exponent 1, never pulls
 ///
 /// Each Maxwell branch has one internal state z_b (m), the displacement of its dashpot: z_b' = (q − z_b) / τ_b.
-/// `branches` are given one by one (a Prony series, g_b k = stiffness_b): a relaxation spectrum over any band.
+/// `branches` are given one by one (a Prony series, g_b k = stiffness_b): a relaxation spectrum over any band. Those of
+/// `spectrum` are given by their g_b, so that they follow the stiffness.
 /// Structural damping with loss factor η is a set of branches whose loss modulus is nearly constant over
 /// `structuralBand()`, the static stiffness lowered so that the storage modulus is k at the band's geometric middle.
 /// The branches take that stiffness from the static one, so that η has an upper limit, `largestLossFactor()`.
@@ -122,6 +123,7 @@ struct AxisLaw {
     std::optional<Friction> friction;
     std::optional<Hysteresis> hysteresis;
     std::vector<MaxwellBranch> branches;  ///< besides those of relaxation and loss factor, `kMostBranches` at most
+    std::vector<Relaxation> spectrum;     ///< likewise, as parts of the stiffness; with `branches` so many at most
     std::vector<Slider> sliders;          ///< `kMostSliders` at most
     std::vector<Stop> stops;
 };

@@ -39,9 +39,9 @@ auto valuesOf(const Slider& slider) {
 
 auto valuesOf(const AxisLaw& law) {
     const auto& [stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, hysteresis, branches,
-                 sliders, stops] = law;
+                 spectrum, sliders, stops] = law;
     return std::tie(stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, hysteresis, branches,
-                    sliders, stops);
+                    spectrum, sliders, stops);
 }
 
 }  // namespace

@@ -70,6 +70,10 @@ MaxwellBranch readBranch(TomlTable& table) {
     return {table.requireNumber("stiffness", "N/m"), table.requireNumber("time_constant", "s")};
 }
 
+Relaxation readRelaxation(TomlTable& table) {
+    return {table.requireNumber("stiffness_ratio", ""), table.requireNumber("time_constant", "s")};
+}
+
 Slider readSlider(TomlTable& table) {
     Slider slider;
     slider.force = table.requireNumber("force", "N");
@@ -139,7 +143,12 @@ void readSeries(TomlTable& table, AxisLaw& law) {
     if (!series) return;
     law.stiffness += series->stiffness;
     law.damping += series->damping;
-    law.branches.insert(law.branches.end(), series->branches.begin(), series->branches.end());
+    // They follow the stiffness, which a fit moves; without any they stand by themselves.
+    for (const MaxwellBranch& branch : series->branches)
+        if (law.stiffness > 0)
+            law.spectrum.push_back({branch.stiffness / law.stiffness, branch.time_constant});
+        else
+            law.branches.push_back(branch);
 }
 
 AxisLaw readAxis(TomlTable& table) {
@@ -150,13 +159,11 @@ AxisLaw readAxis(TomlTable& table) {
                                  ? table.requireNumber(number.key, number.unit)
                                  : table.findNumber(number.key).value_or(0);
     table.readTables("stops", [&law](TomlTable& stop) { law.stops.push_back(readStop(stop)); });
-    table.readTable("relaxation", [&law](TomlTable& relaxation) {
-        law.relaxation =
-            Relaxation{relaxation.requireNumber("stiffness_ratio", ""), relaxation.requireNumber("time_constant", "s")};
-    });
+    table.readTable("relaxation", [&law](TomlTable& relaxation) { law.relaxation = readRelaxation(relaxation); });
     table.readTable("friction", [&law](TomlTable& friction) { law.friction = readFriction(friction); });
     table.readTable("hysteresis", [&law](TomlTable& hysteresis) { law.hysteresis = readHysteresis(hysteresis); });
     table.readTables("branches", [&law](TomlTable& branch) { law.branches.push_back(readBranch(branch)); });
+    table.readTables("spectrum", [&law](TomlTable& part) { law.spectrum.push_back(readRelaxation(part)); });
     table.readTables("sliders", [&law](TomlTable& slider) { law.sliders.push_back(readSlider(slider)); });
     readSeries(table, law);
     return law;

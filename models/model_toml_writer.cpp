@@ -107,6 +107,11 @@ std::string formatBranch(const MaxwellBranch& branch) {
     return "{ stiffness = " + number(branch.stiffness) + ", time_constant = " + number(branch.time_constant) + " }";
 }
 
+std::string formatRelaxation(const Relaxation& relaxation) {
+    return "{ stiffness_ratio = " + number(relaxation.stiffness_ratio) +
+           ", time_constant = " + number(relaxation.time_constant) + " }";
+}
+
 std::string formatSlider(const Slider& slider) {
     std::string text =
         "{ force = " + number(slider.force) + ", yield_displacement = " + number(slider.yield_displacement);
@@ -133,8 +138,7 @@ void writeAxis(const AxisLaw& law, const Tolerances& tolerances, char axis, Writ
             out.number(number.key, law.*number.member);
     }
     if (law.relaxation) {
-        out.key("relaxation", "{ stiffness_ratio = " + number(law.relaxation->stiffness_ratio) +
-                                  ", time_constant = " + number(law.relaxation->time_constant) + " }");
+        out.key("relaxation", formatRelaxation(*law.relaxation));
     }
     if (law.friction) {
         std::string friction = "{ force = " + number(law.friction->force) +
@@ -151,6 +155,7 @@ void writeAxis(const AxisLaw& law, const Tolerances& tolerances, char axis, Writ
                                   ", shape = " + number(law.hysteresis->shape) + " }");
     }
     writeList("branches", law.branches, formatBranch, out);
+    writeList("spectrum", law.spectrum, formatRelaxation, out);
     writeList("sliders", law.sliders, formatSlider, out);
     writeList("stops", law.stops, formatStop, out);
     out.tolerances(tolerances);

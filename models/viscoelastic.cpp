@@ -48,7 +48,9 @@ double mostDecades() {
     return static_cast<double>(kMostBranches - 2) / kBranchesPerDecade - 2 * std::log10(kBeyond);
 }
 
-ViscoelasticSeries fitSeries(const std::vector<StiffnessRow>& rows) {
+namespace {
+
+ViscoelasticSeries fitSeriesWith(bool dashpot, const std::vector<StiffnessRow>& rows) {
     const std::vector<double> grid = listTimeConstants(rows.front().frequency, rows.back().frequency);
     // Columns: spring, dashpot, branches; rows: real and imaginary parts, each over the magnitude that the sheet gives.
     const auto count = static_cast<Eigen::Index>(rows.size()), columns = static_cast<Eigen::Index>(grid.size()) + 2;
@@ -64,13 +66,13 @@ ViscoelasticSeries fitSeries(const std::vector<StiffnessRow>& rows) {
             X(count + n, column) = weight * value.imag();
         };
         set(0, 1);
-        set(1, Complex(0, row.frequency / middle));
+        set(1, dashpot ? Complex(0, row.frequency / middle) : 0);
         for (std::size_t b = 0; b < grid.size(); ++b)
             set(static_cast<Eigen::Index>(b) + 2, relax(row.frequency, grid[b]));
         y[n] = weight * given.real();
         y[count + n] = weight * given.imag();
     }
-    const Eigen::VectorXd size = X.colwise().norm().transpose();
+    const Eigen::VectorXd size = X.colwise().norm().transpose().cwiseMax(1e-300);
     const Eigen::MatrixXd scaled = X * size.cwiseInverse().asDiagonal();
     const Eigen::VectorXd solution =
         solveNonNegative(scaled.transpose() * scaled, scaled.transpose() * y, std::vector<bool>(columns, true))
@@ -87,6 +89,15 @@ ViscoelasticSeries fitSeries(const std::vector<StiffnessRow>& rows) {
             std::max(series.largest_error, std::abs(series.complexStiffness(row.frequency) - given) / std::abs(given));
     }
     return series;
+}
+
+}  // namespace
+
+ViscoelasticSeries fitSeries(const std::vector<StiffnessRow>& rows) {
+    // Branches follow the stiffness when it is moved, a dashpot does not: one that hardly helps is left out.
+    constexpr double hardly = 5e-3;  // less than what a sheet is read to
+    const ViscoelasticSeries with = fitSeriesWith(true, rows), without = fitSeriesWith(false, rows);
+    return without.largest_error <= with.largest_error + hardly ? without : with;
 }
 
 ViscoelasticSeries makeSeries(const SpringPot& pot) {

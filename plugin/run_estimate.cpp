@@ -61,6 +61,10 @@ void searchAxis(const AxisLaw& law, const std::string& place, Search& search) {
         search.offer(place + "branches", branch.time_constant, 1 / branch.time_constant);
         search.spring(place + "branches", branch.stiffness, branch.stiffness);
     }
+    for (const Relaxation& part : law.spectrum) {
+        search.offer(place + "spectrum", part.time_constant, 1 / part.time_constant);
+        search.spring(place + "spectrum", part.stiffness_ratio, part.stiffness_ratio * law.stiffness);
+    }
     for (const Slider& slider : law.sliders)
         search.spring(place + "sliders", slider.force, slider.force / slider.yield_displacement);
     for (const Stop& stop : law.stops) {

@@ -23,6 +23,7 @@ AxisLaw unitElasticPart(const AxisLaw& law) {
     part.loss_factor = law.loss_factor;
     part.drift = law.drift;
     part.relaxation = law.relaxation;
+    part.spectrum = law.spectrum;
     return part;
 }
 
@@ -30,6 +31,7 @@ AxisLaw knownPart(const AxisLaw& law) {
     AxisLaw part = law;
     part.stiffness = part.damping = part.loss_factor = part.drift = 0;
     part.relaxation.reset();
+    part.spectrum.clear();
     part.stops.clear();
     for (auto stop = law.stops.begin(); stop != law.stops.end(); ++stop) {
         const auto same_side = [&](const Stop& other) { return other.side == stop->side; };
@@ -70,7 +72,8 @@ LawHistory calcLawHistory(const MountModel& model, const RelativeHistory& relati
     LawHistory history;
     for (const auto& connection : model.connections)
         for (const auto& law : connection.axis) {
-            if (law.loss_factor != 0 || law.drift != 0 || law.relaxation) history.elastic_is_displacement = false;
+            if (law.loss_factor != 0 || law.drift != 0 || law.relaxation || !law.spectrum.empty())
+                history.elastic_is_displacement = false;
             AxisLaw nothing;
             nothing.offset = law.offset;
             if (!(knownPart(law) == nothing)) history.known_is_zero = false;

@@ -52,6 +52,7 @@ public:
         if (chance()) law.hysteresis = Hysteresis{number(0.5, 40), number(2e-5, 1e-3), number(1, 8), number(0.5, 1)};
         for (int i = chance() ? integer(1, 3) : 0; i > 0; --i)
             law.branches.push_back({number(1e3, 1e5), number(1e-3, 0.3)});
+        law.spectrum.push_back({number(0.01, 0.5), number(1e-3, 0.3)});
         for (int i = chance() ? integer(1, 3) : 0; i > 0; --i) law.sliders.push_back(slider());
         for (int i = integer(0, 2); i > 0; --i) {
             law.stops.push_back({chance() ? Side::positive : Side::negative, number(5e-4, 2e-3), number(1e5, 1e6),

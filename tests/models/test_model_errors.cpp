@@ -106,6 +106,7 @@ TEST_CASE("bad model: missing keys") {
         {"", "hysteresis = { force = 1.0, yield_displacement = 1e-4, beta = 0.5 }", 18,
          "connection[1].x.hysteresis.beta", "accepted: force, yield_displacement, exponent, shape"},
         {"", "hysteresis = 40.0", 18, "connection[1].x.hysteresis", "a table"},
+        {"", "spectrum = [ { stiffness_ratio = 1.0 } ]", 18, "connection[1].x.spectrum[0].time_constant", "missing"},
         {"", "branches = [ { stiffness = 1.0 } ]", 18, "connection[1].x.branches[0].time_constant", "missing"},
         {"", "sliders = [ { force = 1.0 } ]", 18, "connection[1].x.sliders[0].yield_displacement", "missing"},
         {"", "sliders = [ { force = 1.0, yield_displacement = 1e-4, play = 1e-3 } ]", 18,

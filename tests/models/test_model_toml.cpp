@@ -142,6 +142,8 @@ TEST_CASE("every key lands in its place") {
     CHECK(z.hysteresis->shape == 0.6);
     REQUIRE(z.branches.size() == 2);
     CHECK(z.branches[1] == MaxwellBranch{1e4, 0.5});
+    REQUIRE(z.spectrum.size() == 1);
+    CHECK(z.spectrum[0] == Relaxation{0.05, 0.004});
     REQUIRE(z.sliders.size() == 2);
     CHECK(z.sliders[0] == Slider{20, 1e-4, 0, {}, {}});
     CHECK(z.sliders[1] == Slider{30, 3e-4, 1e-3, 35.0, 4.0});
