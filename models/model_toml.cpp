@@ -90,6 +90,11 @@ void checkBand(const TomlTable& table, const std::string& key, double lower, dou
                    formatNumber(mostDecades(), 2) + " at most");
 }
 
+void checkFinite(const TomlTable& table, const std::string& key, const ViscoelasticSeries& series) {
+    if (!std::isfinite(series.largest_error))
+        table.fail(key, "holds numbers too large or too small to compute with", "frequencies in Hz, stiffness in N/m");
+}
+
 /// data_sheet = [[10.0, 1.0e5, 0.12], …]: Hz, N/m, loss factor.
 ViscoelasticSeries readDataSheet(const TomlTable& table, const std::vector<std::vector<double>>& cells) {
     if (cells.empty()) table.fail("data_sheet", "is empty", "rows of frequency (Hz), stiffness (N/m), loss factor");
@@ -108,6 +113,7 @@ ViscoelasticSeries readDataSheet(const TomlTable& table, const std::vector<std::
     }
     checkBand(table, "data_sheet", rows.front().frequency, rows.back().frequency);
     ViscoelasticSeries series = fitSeries(rows);
+    checkFinite(table, "data_sheet", series);
     if (series.largest_error > kLargestSheetError)
         table.fail("data_sheet",
                    "is " + formatNumber(100 * series.largest_error, 2) + " % off the nearest passive material",
@@ -128,7 +134,9 @@ ViscoelasticSeries readSpringPot(TomlTable& table) {
     if (!(pot.frequency > 0)) table.fail("frequency", "is " + formatNumber(pot.frequency), "a number above 0, Hz");
     if (!(band[0] > 0 && band[1] > band[0])) table.fail("band", "is empty", "two ascending frequencies above 0, Hz");
     checkBand(table, "band", band[0], band[1]);
-    return makeSeries(pot);
+    ViscoelasticSeries series = makeSeries(pot);
+    checkFinite(table, "", series);
+    return series;
 }
 
 /// What an elastomer is by its data sheet or as a spring-pot adds to its other numbers.

@@ -1,7 +1,6 @@
 #include "models/viscoelastic.hpp"
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <cmath>
 
 #include "models/common/non_negative.hpp"
@@ -12,10 +11,11 @@ namespace {
 
 using Complex = std::complex<double>;
 
+/// With two, spring-pots of exponents from 0.02 to 0.9 from 1 to 2000 Hz are met within 2e-4, with three within 1e-4.
 constexpr int kBranchesPerDecade = 2;
 /// The grid reaches so far beyond the band, as a factor: what relaxes beyond is a spring or a dashpot within the band.
 constexpr double kBeyond = 4;
-/// Rows that a spring-pot is sampled at.
+/// Rows that a spring-pot is sampled at: several for each branch.
 constexpr int kRowsPerDecade = 12;
 
 /// s τ / (1 + s τ)
@@ -85,8 +85,8 @@ ViscoelasticSeries fitSeriesWith(bool dashpot, const std::vector<StiffnessRow>& 
             series.branches.push_back({stiffness, grid[b]});
     for (const StiffnessRow& row : rows) {
         const Complex given = row.complexStiffness();
-        series.largest_error =
-            std::max(series.largest_error, std::abs(series.complexStiffness(row.frequency) - given) / std::abs(given));
+        const double error = std::abs(series.complexStiffness(row.frequency) - given) / std::abs(given);
+        if (!(error <= series.largest_error)) series.largest_error = error;  // not a number is the largest
     }
     return series;
 }

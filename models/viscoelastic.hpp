@@ -42,7 +42,7 @@ struct ViscoelasticSeries {
     double stiffness = 0;  ///< k, N/m
     double damping = 0;    ///< c, N s/m
     std::vector<MaxwellBranch> branches;
-    /// Largest distance from what it was made of, over the magnitude there.
+    /// Largest distance from what it was made of, over the magnitude there; NaN if that is beyond all numbers.
     double largest_error = 0;
 
     std::complex<double> complexStiffness(double frequency) const;

@@ -317,7 +317,10 @@ ComponentData extractComponent(const Recording& recording, const ComponentOption
     if (recorded && options.mass) {
         Eigen::VectorXd other(n);
         for (Eigen::Index i = 0; i < n; ++i) other[i] = recorded->values[kept[i]];
-        data.notes.push_back(describe(compareForces(data.time, other, data.force), gainTolerancesOf(data.source)));
+        // A force that does not move, as of a channel that was not connected, compares with nothing.
+        const ForceComparison comparison = compareForces(data.time, other, data.force);
+        if (std::isfinite(comparison.gain_half_width) && std::isfinite(comparison.delay_half_width))
+            data.notes.push_back(describe(comparison, gainTolerancesOf(data.source)));
     }
     if (data.q.maxCoeff() - data.q.minCoeff() <= 0)
         throw InputError({recording.file, 0, "relative." + place}, "the displacement is constant in the window",

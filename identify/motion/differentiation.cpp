@@ -104,6 +104,7 @@ double findCutoff(const Eigen::MatrixXd& signals, double interval) {
 }
 
 double findAccelerationEnd(const Eigen::MatrixXd& signals, double interval) {
+    // Standing out as in findCutoff. What is left out of a tenth of the power is a third of the RMS.
     constexpr double ratio = 2, share = 0.9;
     Eigen::VectorXd power;
     Spectrum spectrum;

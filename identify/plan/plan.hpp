@@ -8,10 +8,9 @@
 ///    both would call known, and how exactly, is the answer.
 /// 4. Candidates that exceed a limit get the largest level of a geometric ladder below it that keeps it.
 ///
-/// 5. What the first of them promises is asked of devices that runs and tolerances leave possible (PossibleDevices),
-/// each
-///    rehearsed and fitted like the first; only what holds with all of them is promised, and the run that then leads
-///    is the proposal.
+/// 5. What the first of them promises is asked of devices that runs and tolerances leave possible (PossibleDevices).
+///    Each is rehearsed and fitted like the first. Only what holds with all of them is promised, and the run that then
+///    leads is the proposal.
 ///
 /// This is optimal design by exchange over a finite list with the local linearisation at the present estimate; the
 /// criterion is not the determinant of the information but what a reader asks first, groups separated, then

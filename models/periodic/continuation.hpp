@@ -23,8 +23,8 @@ struct ContinuationSettings {
     /// Hz; then the parameter is the level, at this frequency. Absent: the parameter is the frequency.
     std::optional<double> at_frequency = std::nullopt;
     double longest_step = 1.0 / 150;  ///< of the range, in the parameter; as much of the typical amplitude times 20
-    /// How far the straight line between two points may pass the curve: of the amplitude of an axis, or this tenth of
-    /// the parameter, whichever is kept sooner. Absent: any distance.
+    /// How far the straight line between two points may pass the curve, as a part of an axis' amplitude; where the
+    /// curve is steep, a tenth of that part of the parameter suffices. Absent: any distance.
     std::optional<double> largest_gap = std::nullopt;
     int most_points = 4000;
 };

@@ -118,6 +118,8 @@ TEST_CASE("bad model: missing keys") {
         {"", "data_sheet = [[1.0, -1.0e5, 0.1]]", 18, "connection[1].x.data_sheet[0]", "above 0, N/m"},
         {"", "data_sheet = [[1.0, 1.0e5, -0.1]]", 18, "connection[1].x.data_sheet[0]", "from 0 on"},
         {"", "data_sheet = [[1.0, 2.0e5, 0.1], [10.0, 1.0e5, 0.1]]", 18, "connection[1].x.data_sheet", "passive"},
+        {"", "data_sheet = [[1.0e-300, 1.0e5, 0.1]]", 18, "connection[1].x.data_sheet", "to compute with"},
+        {"", "data_sheet = [[1.0, 1.0e308, 10.0]]", 18, "connection[1].x.data_sheet", "to compute with"},
         {"", "data_sheet = [[1.0e-9, 1.0e5, 0.1], [1.0e5, 2.0e5, 0.1]]", 18, "connection[1].x.data_sheet", "decades"},
         {"", "spring_pot = { stiffness = 1.0e5, exponent = 1.0, frequency = 10.0, band = [1.0, 100.0] }", 18,
          "connection[1].x.spring_pot.exponent", "below 1"},

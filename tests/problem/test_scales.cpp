@@ -13,6 +13,20 @@ using namespace wems;
 using namespace wems::identify;
 using namespace wems::identify::updating;
 
+namespace {
+
+/// A random device, and its motion under a load of two seconds.
+std::pair<MountModel, RunMotion> drawMotion(std::mt19937_64& random) {
+    MountModel model = identify::testing::makeRandomDevice(random);
+    identify::testing::RunPlan plan;
+    plan.duration = 2;
+    plan.force = {20, 30, 60};
+    RunMotion motion = estimateMotion(recordRun(model, plan, random), model);
+    return {std::move(model), std::move(motion)};
+}
+
+}  // namespace
+
 // What no model says is scaled by the largest relative motion: here by differences of the recorded displacements, whose
 // axes the small rotation of the bracket hardly turns. A tenth of the elastomer's force in a dashpot, a fifth in
 // friction, a dissipation that doubles the stop's force (identify/problem/unknown.cpp).
@@ -56,11 +70,7 @@ TEST_CASE("Noise of a displacement counts from a hundredth of a micrometre on", 
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
-    const MountModel model = identify::testing::makeRandomDevice(random);
-    identify::testing::RunPlan plan;
-    plan.duration = 2;
-    plan.force = {20, 30, 60};
-    RunMotion motion = estimateMotion(recordRun(model, plan, random), model);
+    auto [model, motion] = drawMotion(random);
     for (const auto& [measured, counted] :
          {std::pair(0.0, 1e-8), std::pair(std::nan(""), 1e-8), std::pair(1.2e-8, 1.2e-8), std::pair(3e-6, 3e-6)}) {
         CAPTURE(measured);
@@ -77,11 +87,7 @@ TEST_CASE("A velocity keeps what it has where the noise of an acceleration is no
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937_64 random(seed);
-    const MountModel model = identify::testing::makeRandomDevice(random);
-    identify::testing::RunPlan plan;
-    plan.duration = 2;
-    plan.force = {20, 30, 60};
-    RunMotion motion = estimateMotion(recordRun(model, plan, random), model);
+    auto [model, motion] = drawMotion(random);
     for (PartMotion* part : {&motion.mobile, &motion.fixed}) {
         part->displacement_measured = false;
         part->acceleration_measured = true;
