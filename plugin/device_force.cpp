@@ -150,7 +150,7 @@ private:
         if (watch_ && stopped_.empty() && ++calls_ % calls_between == 0) stopped_ = watch_(t);
         if (stopped_.empty()) return;
         failure_ = stopped_;
-        throw std::runtime_error(failure_);
+        throw DeviceFailure(failure_);
     }
 
     // The integrator answers an exception with a shorter step, so that a wild trial step does no harm; where every step
@@ -159,7 +159,7 @@ private:
         char text[160];
         std::snprintf(text, sizeof text, "%s at t = %.6g s", reason, t);
         failure_ = text;
-        throw std::runtime_error(failure_);
+        throw DeviceFailure(failure_);
     }
 
     void checkPose(const BodyMotion& mobile, const FrameMotion& fixed, double t) const {

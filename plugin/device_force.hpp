@@ -20,6 +20,7 @@
 
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include "models/mount_model.hpp"
@@ -27,6 +28,13 @@
 #include "plugin/simbody.hpp"
 
 namespace wems::plugin {
+
+/// Why no force is computed. Within a step the integrator answers with a shorter one, and keeps the reason from its
+/// caller; where a sample is recorded, it reaches the caller as it is.
+class DeviceFailure : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
 
 class DeviceForce : public SimTK::Force::Custom {
 public:

@@ -112,11 +112,16 @@ SimulationResult simulate(const MountModel& model, std::shared_ptr<const Drive> 
     SimTK::TimeStepper stepper(device.system(), integrator);
     const auto clock_start = std::chrono::steady_clock::now();
     stepper.initialize(start);
+    const auto breakOff = [&](const std::string& reason) {
+        if (!stopped.empty()) throw InputError({}, stopped);
+        throw InputError({}, describeFailure(device, integrator.getState(), reason));
+    };
     try {
         stepper.stepTo(recorder.endTime());
     } catch (const SimTK::Exception::Base& error) {
-        if (!stopped.empty()) throw InputError({}, stopped);
-        throw InputError({}, describeFailure(device, integrator.getState(), error.getMessageText()));
+        breakOff(error.getMessageText());
+    } catch (const DeviceFailure& error) {
+        breakOff(error.what());
     }
     if (!recorder.complete()) recorder.takeSample(integrator.getState());
     if (!recorder.complete()) throw std::logic_error("the simulation ended before its last sample");

@@ -324,6 +324,17 @@ TEST_CASE("A run that is watched ends with the reason that the watch gives") {
     CHECK_THROWS_WITH(simulate(makeModel(), makeLoadSweep({100, 50, 250}), settings), "enough");
 }
 
+TEST_CASE("A watch ends a run wherever it is asked: within a step, or while a sample is recorded") {
+    for (int last = 1; last <= 60; ++last) {
+        CAPTURE(last);
+        SimulationSettings settings;
+        settings.times = makeTimes(2000, 10);
+        int asked = 0;
+        settings.watch = [&](double) { return ++asked >= last ? std::string("enough") : std::string(); };
+        CHECK_THROWS_AS(simulate(makeModel(), makeLoadSweep({100, 50, 250}), settings), InputError);
+    }
+}
+
 TEST_CASE("The fastest law of a model is named with its rate against the mass that it moves") {
     MountModel model = test::makeRigidModel();
     model.connections[1].axis[2].damping = 1e7;
