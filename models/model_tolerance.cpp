@@ -125,6 +125,7 @@ std::optional<double> parameterTolerance(const MountModel& model, const std::str
             return toleranceOf(model, ToleranceOf::load_gain) * std::abs(getParameter(model, name));
         case Target::Kind::sensor: {
             const Tolerances item = sensorTolerances(model, target.channel);
+            if (target.parameter == "zero") return std::nullopt;
             if (target.parameter == "delay") return toleranceOf(model, ToleranceOf::sensor_delay, item);
             return toleranceOf(model, ToleranceOf::sensor_gain, item) * std::abs(getParameter(model, name));
         }

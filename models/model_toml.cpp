@@ -281,6 +281,7 @@ SensorFault readSensor(TomlTable& table) {
     sensor.gain = table.findNumber("gain").value_or(1);
     sensor.delay = table.findNumber("delay").value_or(0);
     sensor.rotation = table.findVector("rotation").value_or(Eigen::Vector3d::Zero());
+    sensor.zero = table.findNumber("zero").value_or(0);
     sensor.tolerances = readTolerances(table, "sensor");
     return sensor;
 }

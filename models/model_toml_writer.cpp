@@ -267,6 +267,7 @@ std::string formatMountModel(const MountModel& model, const std::string& bracket
         out.optionalNumber("gain", sensor.gain, 1);
         out.optionalNumber("delay", sensor.delay);
         out.optionalVector("rotation", sensor.rotation);
+        out.optionalNumber("zero", sensor.zero);
         out.tolerances(sensor.tolerances);
     }
     for (const SensorPlace& place : model.places) writePlace(place, out);

@@ -184,6 +184,10 @@ void checkSensors(const MountModel& model) {
         requireFinite(prefix + "gain", sensor.gain);
         requireFinite(prefix + "delay", sensor.delay);
         requireFinite(prefix + "rotation", sensor.rotation);
+        requireFinite(prefix + "zero", sensor.zero);
+        if (sensor.zero != 0 && !parseChannelName(sensor.channel))
+            fail(prefix + "zero", "is that of \"" + sensor.channel + "\", whose channels have several units",
+                 "one channel, such as mobile.1.z or load.fz");
     }
 }
 
@@ -275,6 +279,15 @@ std::string formatMoments(const Eigen::Matrix3d& inertia) {
 }
 
 }  // namespace
+
+void removeZeros(const std::vector<SensorFault>& sensors, Recording& recording) {
+    for (const SensorFault& sensor : sensors) {
+        if (sensor.zero == 0) continue;
+        for (Channel& channel : recording.channels)
+            if (channel.name == sensor.channel)
+                for (double& value : channel.values) value -= sensor.zero;
+    }
+}
 
 std::vector<std::string> makeAdmissible(const MountModel& believed, MountModel& model) {
     std::vector<std::string> notes;

@@ -75,12 +75,13 @@ struct LoadPoint {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< m, in that part's frame
 };
 
-/// What the recording's channel makes of the truth: measured(t) = gain · R(rotation) · true(t − delay).
+/// What the recording's channel makes of the truth: measured(t) = gain · R(rotation) · true(t − delay) + zero.
 struct SensorFault {
     std::string channel;  ///< `mobile.1.az`, or `mobile.1`, `mobile` for all of it
     double gain = 1;
     double delay = 0;                                    ///< s
     Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< rotation vector, rad
+    double zero = 0;             ///< what it reads of nothing, in the channel's SI unit; of one channel alone
     Tolerances tolerances = {};  ///< sensor_gain, sensor_rotation, sensor_position, sensor_delay of these channels
 };
 
@@ -105,6 +106,9 @@ struct MountModel {
     /// Index among `places` of the sensor that a channel names; -1 if it is none of them.
     int placeIndex(const ChannelName& channel) const;
 };
+
+/// Takes what each channel reads of nothing away from it.
+void removeZeros(const std::vector<SensorFault>& sensors, Recording& recording);
 
 /// Throws InputError (without a file) naming the key, the value and the range, if the model cannot be simulated.
 void validate(const MountModel& model);

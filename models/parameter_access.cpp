@@ -124,6 +124,13 @@ double& modeEntry(BracketMode& mode, const std::string& parameter) {
     return (parameter[0] == 'u' ? mode.translation : mode.rotation)[component];
 }
 
+/// Gain, delay or zero; what a name may say was checked when it was taken apart.
+template <typename Fault>
+auto& numberOf(Fault& fault, const std::string& parameter) {
+    if (parameter == "gain") return fault.gain;
+    return parameter == "delay" ? fault.delay : fault.zero;
+}
+
 template <typename Sensors>
 auto findSensor(Sensors& sensors, const std::string& channel) -> decltype(sensors.data()) {
     for (auto& sensor : sensors)
@@ -164,7 +171,7 @@ double getParameter(const MountModel& model, const std::string& name) {
             const SensorFault* sensor = findSensor(model.sensors, target.channel);
             const SensorFault fault = sensor ? *sensor : SensorFault{};
             if (target.kind == Target::Kind::sensor_rotation) return fault.rotation[target.index];
-            return target.parameter == "gain" ? fault.gain : fault.delay;
+            return numberOf(fault, target.parameter);
         }
     }
     failName(name, "not the name of a parameter");
@@ -219,7 +226,7 @@ void setParameter(MountModel& model, const std::string& name, double value) {
             if (target.kind == Target::Kind::sensor_rotation) {
                 sensor->rotation[target.index] = value;
             } else {
-                (target.parameter == "gain" ? sensor->gain : sensor->delay) = value;
+                numberOf(*sensor, target.parameter) = value;
             }
             return;
         }
@@ -265,6 +272,17 @@ double axisScale(const MountModel& model, const Target& target, const std::strin
     failName(name, "a parameter without typical size");
 }
 
+/// What a channel reads where the device moves by its typical displacement at its typical frequency.
+double zeroScale(const MountModel& model, const std::string& channel_name) {
+    const auto channel = parseChannelName(channel_name);
+    const double rate = !channel                                          ? 1
+                        : channel->derivative == Derivative::velocity     ? kTypicalFrequency
+                        : channel->derivative == Derivative::acceleration ? kTypicalFrequency * kTypicalFrequency
+                        : channel->derivative == Derivative::force        ? typicalStiffness(model, AxisLaw{})
+                                                                          : 1;
+    return rate * kTypicalDisplacement;
+}
+
 /// Shapes matter at the size of the model's other shapes of their kind, the same for all three components.
 double modeScale(const MountModel& model, const Target& target, const std::string& name) {
     const auto& p = target.parameter;
@@ -301,6 +319,10 @@ std::string parameterUnit(const std::string& name) {
     if (p == "dissipation") return "s/m";
     if (p == "frequency") return "Hz";
     if (p == "rx" || p == "ry" || p == "rz") return "rad";
+    if (p == "zero") {
+        const auto channel = parseChannelName(name.substr(0, name.rfind('.')));
+        return channel ? siUnit(findQuantity(*channel)) : "-";
+    }
     return "-";
 }
 
@@ -329,7 +351,8 @@ double parameterScale(const MountModel& model, const std::string& name) {
         case Target::Kind::load:
             return 1.0;
         case Target::Kind::sensor:
-            return target.parameter == "gain" ? 1.0 : 1e-3;
+            if (target.parameter == "gain") return 1.0;
+            return target.parameter == "delay" ? 1e-3 : zeroScale(model, target.channel);
         case Target::Kind::sensor_rotation:
             return 0.01;
     }

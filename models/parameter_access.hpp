@@ -12,6 +12,7 @@
 ///     3.ux … 3.rz  3.load.ux … 3.base.uz                 its mass-normalised shape, as the modes file names it
 ///     load.gain, load.gain.x
 ///     mobile.1.az.gain  mobile.1.az.delay  mobile.1.rx   sensor of a channel, a triax (`mobile.1`) or a side
+///     mobile.1.z.zero  load.fz.zero                      what one channel reads of nothing
 ///
 /// All values in SI units. A stop that is not there has an infinite clearance, and setting an infinite clearance
 /// removes the stop: a stop that is missing and one too many are thus values like any other.

@@ -82,13 +82,13 @@ Target parseSensor(const std::string& name, const std::vector<std::string>& part
     target.channel = join(parts, parts.size() - 1);
     target.parameter = parts.back();
     target.kind = Target::Kind::sensor;
-    if (target.parameter == "gain" || target.parameter == "delay") return target;
+    if (target.parameter == "gain" || target.parameter == "delay" || target.parameter == "zero") return target;
     if (target.parameter.size() == 2 && target.parameter[0] == 'r' && axisIndex(target.parameter.substr(1))) {
         target.kind = Target::Kind::sensor_rotation;
         target.index = *axisIndex(target.parameter.substr(1));
         return target;
     }
-    failName(name, "a sensor has gain, delay, rx, ry and rz only");
+    failName(name, "a sensor has gain, delay, zero, rx, ry and rz only");
 }
 
 /// `frequency`, `damping_ratio`, `ux`, `rx`, `load.ux`, `base.ux` … after the row.
@@ -120,7 +120,7 @@ Target parse(const MountModel& model, const std::string& name) {
     if (parts.size() < 2) failName(name, "not the name of a parameter");
     if (parts[0] == "body") return parseBody(name, parts);
     if (parts[0] == "mobile" || parts[0] == "fixed" || parts[0] == "base") return parseSensor(name, parts);
-    if (parts[0] == "load") return parseLoad(name, parts);
+    if (parts[0] == "load") return parts.back() == "zero" ? parseSensor(name, parts) : parseLoad(name, parts);
     if (isModeParameter(parts)) return parseMode(model, name, parts);
     Target target;
     target.parameter = parts.back();

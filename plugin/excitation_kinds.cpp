@@ -270,7 +270,8 @@ double chooseSampleRate(double highest) {
 
 }  // namespace
 
-Excitation makeReplay(const Recording& recording, const SimulateOptions& options) {
+Excitation makeReplay(Recording recording, const SimulateOptions& options, const std::vector<SensorFault>& sensors) {
+    removeZeros(sensors, recording);
     Excitation excitation;
     excitation.drive = makeReplayDrive(recording);
     excitation.time_offset = recording.time.front();
@@ -286,11 +287,11 @@ Excitation makeReplay(const Recording& recording, const SimulateOptions& options
     return excitation;
 }
 
-Excitation makeExcitation(const SimulateOptions& options) {
+Excitation makeExcitation(const SimulateOptions& options, const std::vector<SensorFault>& sensors) {
     if (!options.replay_file.empty()) {
         std::optional<ColumnMap> map;
         if (!options.column_map.empty()) map = readColumnMap(options.column_map);
-        return makeReplay(readRecording(options.replay_file, map ? &*map : nullptr), options);
+        return makeReplay(readRecording(options.replay_file, map ? &*map : nullptr), options, sensors);
     }
     NamedSignal named = options.kind->make(options.signal, options);
     Excitation excitation;

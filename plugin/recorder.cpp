@@ -84,6 +84,7 @@ std::vector<SensorChannel> makeSensorChannels(const MountModel& model, const Cha
                 if (!concerns(fault.channel, name)) continue;
                 channel.gain *= fault.gain;
                 channel.delay += fault.delay;
+                channel.zero += fault.zero;
                 channel.rotation = rotationFromVector(fault.rotation) * channel.rotation;
             }
             channels.push_back(channel);
@@ -171,7 +172,7 @@ void Recorder::takeSample(const SimTK::State& state) {
                 if (delay_of_channel_[i] != d) continue;
                 const SensorChannel& channel = channels_[i];
                 const Eigen::Vector3d& vector = pickVector(motion, channel.name, connection_of_channel_[i]);
-                values_[i].push_back(channel.gain * channel.rotation.row(channel.name.axis).dot(vector));
+                values_[i].push_back(channel.gain * channel.rotation.row(channel.name.axis).dot(vector) + channel.zero);
             }
             if (d == undelayed_) watchStops(motion, time);
         }

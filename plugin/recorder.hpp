@@ -76,12 +76,14 @@ struct ChannelSelection {
     bool displacement = true, velocity = false, acceleration = true;
 };
 
-/// A channel and what the model's sensor faults make of it: measured(t) = gain · [rotation · true(t − delay)]_axis.
+/// A channel and what the model's sensor faults make of it: measured(t) = gain · [rotation · true(t − delay)]_axis +
+/// zero.
 struct SensorChannel {
     ChannelName name;
     double gain = 1;
     double delay = 0;  ///< s
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+    double zero = 0;  ///< SI
 };
 std::vector<SensorChannel> makeSensorChannels(const MountModel& model, const ChannelSelection& selection, bool has_load,
                                               bool has_base);

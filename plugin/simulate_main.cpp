@@ -150,7 +150,7 @@ void run(const SimulateOptions& options) {
     OutputFiles outputs;
     checkOutputs({options.output_file, options.json_file == "-" ? "" : options.json_file, options.report_file},
                  {model.bracket_path});
-    const Excitation excitation = makeExcitation(options);
+    const Excitation excitation = makeExcitation(options, model.sensors);
     const SampleTimes& times = excitation.times;
     if (times.empty()) throw InputError({}, "the run has no sample", "a duration above the sample interval");
 

@@ -74,8 +74,9 @@ struct Excitation {
 };
 /// Without a sampling rate from the user 1000 Hz, or five samples a period of the fastest that the excitation holds.
 /// @throws InputError on values out of range or a recording that cannot be replayed.
-Excitation makeExcitation(const SimulateOptions& options);
+/// @param sensors of the model: the zeros of load and base channels are no part of what a replay applies
+Excitation makeExcitation(const SimulateOptions& options, const std::vector<SensorFault>& sensors);
 /// The load and base motion of a recording, cut and sampled as the options say. @throws InputError if it has neither
-Excitation makeReplay(const Recording& recording, const SimulateOptions& options);
+Excitation makeReplay(Recording recording, const SimulateOptions& options, const std::vector<SensorFault>& sensors);
 
 }  // namespace wems::plugin

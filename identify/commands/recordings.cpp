@@ -9,6 +9,7 @@
 #include "identify/forward/step_size.hpp"
 #include "identify/inspect/connection_checks.hpp"
 #include "identify/inspect/quality.hpp"
+#include "identify/motion/channel_correction.hpp"
 #include "identify/motion/motion.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "models/common/error.hpp"
@@ -214,7 +215,7 @@ void addInputs(ResultRecord& record, const RunSelection& selection, const MountM
 std::vector<ValidationError> validateModel(const MountModel& model, const std::vector<Recording>& recordings) {
     std::vector<ValidationError> errors;
     for (const Recording& recording : recordings) {
-        const RunMotion run = estimateMotion(recording, model);
+        const RunMotion run = estimateMotion(correctChannels(recording, model.sensors), model);
         try {
             const PreparedRun prepared = prepareRun(run, model, findSweptFrequency(recording).lowest);
             errors.push_back({recording.file, calcSimulationError(model, prepared).value(), {}});

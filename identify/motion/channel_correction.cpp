@@ -76,6 +76,7 @@ void rotateBack(Recording& recording, const SensorFault& fault, bool displacemen
 
 Recording correctChannels(const Recording& recording, const std::vector<SensorFault>& faults) {
     Recording result = recording;
+    removeZeros(faults, result);
     const double interval = recording.sampleInterval();
     const bool displacements = hasDisplacements(recording);
     for (const auto& fault : faults) {

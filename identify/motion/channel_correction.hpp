@@ -1,5 +1,5 @@
 /// @file
-/// Undoing what a faulty sensor made of the truth: measured(t) = gain · R(rotation) · true(t − delay).
+/// Undoing what a faulty sensor made of the truth: measured(t) = gain · R(rotation) · true(t − delay) + zero.
 #pragma once
 
 #include <vector>

@@ -57,7 +57,7 @@ std::shared_ptr<Recording> simulateWith(const std::shared_ptr<MountModel>& given
     if (drive) words.insert(words.end(), {"--from-csv", drive->file.empty() ? "recording" : drive->file});
     const SimulateOptions options = parseWords(words);
     return follow(progress, [&](Watcher& watcher) {
-        const Excitation excitation = drive ? makeReplay(*drive, options) : makeExcitation(options);
+        const Excitation excitation = drive ? makeReplay(*drive, options, model->sensors) : makeExcitation(options, {});
         if (excitation.times.empty())
             throw InputError({}, "the run has no sample", "a duration above the sample interval");
         SimulationSettings settings = makeSettings(options, excitation);
@@ -93,7 +93,7 @@ std::shared_ptr<Recording> moveAlong(const std::shared_ptr<MountModel>& model,
 
 /// The load or base acceleration alone, as a recording.
 std::shared_ptr<Recording> excite(const std::vector<std::string>& words) {
-    const Excitation excitation = makeExcitation(parseWords(words));
+    const Excitation excitation = makeExcitation(parseWords(words), {});
     auto recording = std::make_shared<Recording>();
     recording->file = excitation.description;
     recording->format = "excitation";

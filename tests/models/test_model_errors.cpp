@@ -222,6 +222,9 @@ TEST_CASE("bad model: bracket, load, sensors") {
         {"", "[[sensor]]\nchannel = \"\"", 19, "sensor[0].channel", "is \"\""},
         {"", "[[sensor]]\nchannel = \"mobile.1\"\ndelay = nan", 20, "sensor[0].delay", "nan"},
         {"", "[[sensor]]\nchannel = \"mobile.1\"\nrotation = [1.0]", 20, "sensor[0].rotation", "three numbers"},
+        {"", "[[sensor]]\nchannel = \"mobile.1\"\nzero = 1e-3", 20, "sensor[0].zero",
+         "one channel, such as mobile.1.z"},
+        {"", "[[sensor]]\nchannel = \"mobile.1.z\"\nzero = inf", 20, "sensor[0].zero", "inf"},
     })));
 }
 

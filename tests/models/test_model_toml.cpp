@@ -83,6 +83,7 @@ void checkSame(const MountModel& a, const MountModel& b) {
         CHECK(a.sensors[i].gain == b.sensors[i].gain);
         CHECK(a.sensors[i].delay == b.sensors[i].delay);
         CHECK(a.sensors[i].rotation == b.sensors[i].rotation);
+        CHECK(a.sensors[i].zero == b.sensors[i].zero);
         CHECK(a.sensors[i].tolerances == b.sensors[i].tolerances);
     }
     REQUIRE(a.places.size() == b.places.size());
@@ -156,11 +157,12 @@ TEST_CASE("every key lands in its place") {
     CHECK(model.replaced_modes == std::vector<int>{2});
     REQUIRE(model.load);
     CHECK(model.load->gain_over_frequency[1] == std::pair<double, double>(29.0, 0.7));
-    REQUIRE(model.sensors.size() == 2);
+    REQUIRE(model.sensors.size() == 3);
     CHECK(model.sensors[0].gain == 1.02);
     CHECK(model.sensors[0].delay == 1e-4);
     CHECK(model.sensors[1].channel == "fixed.right");
     CHECK(model.sensors[1].rotation == Vector3d(0, 0.01, -0.02));
+    CHECK(model.sensors[2].zero == 0.75);
     REQUIRE(model.places.size() == 2);
     CHECK(model.places[0].name == "top");
     CHECK(!model.places[0].accelerometer);

@@ -39,3 +39,16 @@ TEST_CASE("corrected channels: gain, delay and rotation undone") {
         for (std::size_t k = 10; k < 990; ++k)  // a cubic through samples 1 ms apart: (2 π 7 · 1e-3)⁴ · 3/128
             REQUIRE(corrected.channels[a].values[k] == Approx(truth.channels[a].values[k]).margin(1e-6));
 }
+
+TEST_CASE("A zero is taken away before the gain, of its channel alone") {
+    Recording measured;
+    measured.time = {0, 1e-3, 2e-3};
+    measured.channels = {{"load.fz", "N", {3, 5, 7}, 2}, {"mobile.1.z", "m", {1, 2, 3}, 3}};
+    SensorFault fault;
+    fault.channel = "load.fz";
+    fault.gain = 2;
+    fault.zero = 1;
+    const Recording corrected = correctChannels(measured, {fault});
+    CHECK(corrected.channels[0].values == std::vector<double>{1, 2, 3});
+    CHECK(corrected.channels[1].values == measured.channels[1].values);
+}

@@ -121,7 +121,7 @@ TEST_CASE("the base neither drifts nor stands off, and moves as its acceleration
     CHECK(worst < 0.01);
 }
 
-TEST_CASE("sensor faults: gain, delay, rotation") {
+TEST_CASE("sensor faults: gain, delay, rotation, zero") {
     const MountModel model = makeModel();
     SimulationSettings settings;
     settings.times = makeTimes(10000, 0.06);
@@ -132,6 +132,7 @@ TEST_CASE("sensor faults: gain, delay, rotation") {
     faulty.sensors.push_back({"mobile.1.az", 1.1, 0.0013, Eigen::Vector3d::Zero()});
     faulty.sensors.push_back({"fixed.2", 1, 0, turn});
     faulty.sensors.push_back({"mobile.3", 1, -0.0021, Eigen::Vector3d::Zero()});
+    faulty.sensors.push_back({"mobile.2.z", 1, 0, Eigen::Vector3d::Zero(), 2e-3});
     const SimulationResult seen = simulate(faulty, makeLoadSweep({100, 50, 250}), settings);
 
     const auto& true_az = valuesOf(truth, "mobile.1.az");
@@ -140,6 +141,9 @@ TEST_CASE("sensor faults: gain, delay, rotation") {
     const auto& true_x = valuesOf(truth, "mobile.3.x");
     const auto& seen_x = valuesOf(seen, "mobile.3.x");
     for (std::size_t k = 0; k + 21 < true_x.size(); ++k) CHECK(seen_x[k] == Approx(true_x[k + 21]).margin(1e-12));
+    const auto& true_z = valuesOf(truth, "mobile.2.z");
+    const auto& seen_z = valuesOf(seen, "mobile.2.z");
+    for (std::size_t k = 0; k < true_z.size(); ++k) CHECK(seen_z[k] == Approx(true_z[k] + 2e-3).margin(1e-12));
     const Eigen::Matrix3d R = rotationFromVector(turn);
     for (const char* kind : {"", "a"}) {
         const auto channel = [&](const SimulationResult& result, char axis) -> const std::vector<double>& {

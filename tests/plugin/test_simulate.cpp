@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "models/common/units.hpp"
 #include "models/recording/recording_reader.hpp"
@@ -212,6 +214,30 @@ TEST_CASE("a sweep is recorded, told, and replayed") {
     double worst = 0;
     for (std::size_t k = 0; k < 200; ++k) worst = std::max(worst, std::abs(first[k] - second[k]));
     CHECK(worst < 2e-6);  // before the stops make it sensitive; the load is interpolated between its samples
+}
+
+TEST_CASE("What a load cell reads of nothing is recorded, and no part of what a replay applies") {
+    const TemporaryDirectory folder;
+    std::ifstream shipped(smallsat);
+    std::ostringstream text;
+    text << shipped.rdbuf() << "\n[[sensor]]\nchannel = \"load.fz\"\nzero = 40\n";
+    std::string model = text.str();
+    const std::string modes = "smallsat_bracket.csv";
+    model.replace(model.find(modes), modes.size(),
+                  std::filesystem::path(smallsat).parent_path().string() + "/" + modes);
+    folder.write("model.toml", model);
+    const auto run = [&](const std::vector<std::string>& arguments) {
+        const auto result = runProgram(SIMULATE_PROGRAM, arguments, folder.path());
+        INFO(result.errors);
+        REQUIRE(result.exit_status == 0);
+    };
+    run({"model.toml", "--dwell", "20:0.3", "--force", "z=100", "-o", "run.csv", "--quiet"});
+    run({"model.toml", "--from-csv", "run.csv", "-o", "again.csv", "--quiet"});
+    const Recording first = readFrom(folder, "run.csv"), again = readFrom(folder, "again.csv");
+    CHECK(first.find("load.fz")->values[0] == Approx(40).margin(1e-6));
+    for (const char* channel : {"load.fz", "mobile.4.z"})
+        for (std::size_t k = 0; k < first.sampleCount(); ++k)
+            REQUIRE(again.find(channel)->values[k] == Approx(first.find(channel)->values[k]).margin(2e-6));
 }
 
 TEST_CASE("base motion moves a model without bracket") {
