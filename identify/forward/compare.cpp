@@ -226,9 +226,9 @@ namespace {
 // up to 400 times: 2e-3 to 1.4e-1 of the displacement became 2e-5 to 1e-3.
 constexpr int finer = 3;
 
-TimeGrid makeFineGrid(const RunMotion& run, const MountModel& model) {
+TimeGrid makeFineGrid(const RunMotion& run, const MountModel& model, int refinement) {
     TimeGrid grid = makeGrid(run, model);
-    grid.steps_per_sample *= finer;
+    grid.steps_per_sample *= finer * refinement;
     return grid;
 }
 
@@ -249,9 +249,9 @@ void addFolded(RelativeDisplacement& simulated, const MarkerMotion& markers, boo
 
 }  // namespace
 
-PreparedRun prepareRun(const RunMotion& run, const MountModel& model, double lowest_frequency) {
+PreparedRun prepareRun(const RunMotion& run, const MountModel& model, double lowest_frequency, int refinement) {
     PreparedRun prepared{
-        Drive::make(run, model, makeFineGrid(run, model)), calcRelativeDisplacement(run, model), {}, false};
+        Drive::make(run, model, makeFineGrid(run, model, refinement)), calcRelativeDisplacement(run, model), {}, false};
     prepared.start = findStartMotion(run, model, prepared.drive);
     prepared.measured.lowest_frequency = lowest_frequency;
     prepared.fixed_integrated = run.fixed_trusted_from > 0;

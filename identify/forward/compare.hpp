@@ -82,7 +82,8 @@ struct PreparedRun {
 
 /// @param lowest_frequency Hz, lowest excited frequency; only used where the run rests on accelerations alone
 /// @param model chooses the step and the way of driving (load wherever there is a bracket and a load)
-PreparedRun prepareRun(const RunMotion& run, const MountModel& model, double lowest_frequency);
+/// @param refinement steps for each that is usual
+PreparedRun prepareRun(const RunMotion& run, const MountModel& model, double lowest_frequency, int refinement = 1);
 
 /// Free simulation from the run's start (rest, or the motion that it begins with), relative displacements from rest;
 /// filtered as the measured ones are. Where those are integrated from accelerations, so is what the simulated ones

@@ -7,8 +7,11 @@
 #include <utility>
 
 #include "identify/forward/step_size.hpp"
+#include "identify/merge/merge.hpp"
+#include "identify/motion/spectrum.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "models/bryant.hpp"
+#include "models/common/units.hpp"
 #include "models/mount_forces.hpp"
 
 namespace wems::identify {
@@ -68,6 +71,31 @@ Eigen::Vector3d combine(const HermiteBasis& basis, const Eigen::Matrix3Xd& value
            basis.slope1 * slopes.col(k + 1);
 }
 
+/// What Hermite polynomials between samples leave of a signal, RMS over that of the signal: (2π f / f_s)^4 / 384 of
+/// what lies at f.
+double calcHermiteError(const Eigen::VectorXd& signal, double interval) {
+    const Spectrum spectrum = calcSpectrum(signal, interval);
+    const Eigen::ArrayXd share = (kTwoPi * interval * spectrum.frequency.array()).pow(4) / 384;
+    const double power = spectrum.density.sum();
+    return power > 0 ? std::sqrt((share.square() * spectrum.density.array()).sum() / power) : 0;
+}
+
+/// The rows that have too few samples in a period for polynomials: by a windowed sinc, which takes them as they were
+/// before they were sampled, without what lies above half the rate.
+void tabulateCoarseRows(const std::vector<double>& time, const Eigen::Matrix3Xd& signal, const TimeGrid& grid,
+                        Eigen::Matrix3Xd& table) {
+    constexpr double largest_error = 2e-3;  // as the integrator's steps are chosen, of the motion (step_size.hpp)
+    const double interval = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const Eigen::VectorXd row = signal.row(axis);
+        if (row.isZero(0) || !(calcHermiteError(row, interval) > largest_error)) continue;
+        const UniformSignal fine = resample({time.front(), interval, {row.begin(), row.end()}}, grid.start,
+                                            0.5 * grid.step(), grid.halfSteps());
+        for (int half = 0; half < grid.halfSteps(); ++half)
+            if (locate(time, grid.halfStepTime(half)).inside) table(axis, half) = fine.values[half];
+    }
+}
+
 Eigen::Matrix3Xd tabulate(const std::vector<double>& time, const Eigen::Matrix3Xd& signal, const TimeGrid& grid) {
     if (signal.cols() == 0) return {};
     const Eigen::Matrix3Xd slopes = calcSlopes(signal);
@@ -76,6 +104,7 @@ Eigen::Matrix3Xd tabulate(const std::vector<double>& time, const Eigen::Matrix3X
         const Position at = locate(time, grid.halfStepTime(half));
         if (at.inside) table.col(half) = combine(calcHermite(at.part), signal, slopes, at.interval);
     }
+    tabulateCoarseRows(time, signal, grid, table);
     return table;
 }
 
@@ -143,9 +172,10 @@ FrameRow makeFrameRow(const FrameMotion& motion) {
 
 DriveRows Drive::rows() const {
     DriveRows rows;
-    if (load_.cols() > 0) rows.load = load_.data();
-    if (base_.cols() > 0) rows.base = base_.data();
-    if (!frames_.empty()) rows.frames = frames_.data();
+    if (load().cols() > 0) rows.load = load().data();
+    for (int axis = 0; axis < 3; ++axis) rows.load_shift[axis] = load_shift_[axis];
+    if (base().cols() > 0) rows.base = base().data();
+    if (prescribesMotion()) rows.frames = tables_->frames.data();
     rows.interpolate = interpolateFrame;
     rows.elapsed = elapsedTime(0);
     rows.half_step = 0.5 * grid_.step();
@@ -163,37 +193,42 @@ TimeGrid makeGrid(const RunMotion& run, const MountModel& model) {
 }
 
 Drive Drive::makeFree(const TimeGrid& grid) {
-    return Drive(grid, grid.start);
+    return Drive(grid, grid.start, {});
+}
+
+Drive::Tables Drive::tabulateLoad(const std::vector<double>& time, const Eigen::Matrix3Xd& load,
+                                  const Eigen::Matrix3Xd& base, const TimeGrid& grid) {
+    if (time.size() < 2) throw std::invalid_argument("Drive::makeLoad: at least two samples are needed");
+    Tables tables;
+    tables.load = tabulate(time, load, grid);
+    tables.base = tabulate(time, base, grid);
+    if (load.cols() == 0) return tables;
+    const SweptFrequency swept = findSweptFrequency(makeLoadRecording(time, load));
+    if (!swept.is_sine) return tables;
+    const Eigen::VectorXd& frequency = swept.hertz;
+    tables.frequency.resize(grid.halfSteps());
+    for (int half = 0; half < grid.halfSteps(); ++half) {
+        const Position at = locate(time, grid.halfStepTime(half));
+        tables.frequency(half) = frequency(at.interval) * (1 - at.part) + frequency(at.interval + 1) * at.part;
+    }
+    return tables;
 }
 
 Drive Drive::makeLoad(const std::vector<double>& time, const Eigen::Matrix3Xd& load, const Eigen::Matrix3Xd& base,
                       const TimeGrid& grid) {
-    if (time.size() < 2) throw std::invalid_argument("Drive::makeLoad: at least two samples are needed");
-    Drive drive(grid, time.front());
-    drive.load_ = tabulate(time, load, grid);
-    drive.base_ = tabulate(time, base, grid);
-    if (load.cols() == 0) return drive;
-    const SweptFrequency swept = findSweptFrequency(makeLoadRecording(time, load));
-    if (!swept.is_sine) return drive;
-    const Eigen::VectorXd& frequency = swept.hertz;
-    drive.frequency_.resize(grid.halfSteps());
-    for (int half = 0; half < grid.halfSteps(); ++half) {
-        const Position at = locate(time, grid.halfStepTime(half));
-        drive.frequency_(half) = frequency(at.interval) * (1 - at.part) + frequency(at.interval + 1) * at.part;
-    }
-    return drive;
+    Tables tables = tabulateLoad(time, load, base, grid);
+    return Drive(grid, time.front(), std::move(tables));
 }
 
 Drive Drive::makeFixedMotion(const std::vector<double>& time, const PartMotion& fixed, const TimeGrid& grid,
                              const Eigen::Matrix3Xd& load) {
-    if (time.size() < 2) throw std::invalid_argument("Drive::makeFixedMotion: at least two samples are needed");
-    Drive drive = makeLoad(time, load, {}, grid);
+    Tables tables = tabulateLoad(time, load, {}, grid);
     const double interval = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
     const Eigen::Matrix3Xd velocity = interval * fixed.v;
     Eigen::Matrix3Xd rotation_rate(3, fixed.w.cols());
     for (Eigen::Index k = 0; k < fixed.w.cols(); ++k)
         rotation_rate.col(k) = interval * leftJacobian(fixed.theta.col(k)).inverse() * fixed.w.col(k);
-    drive.frames_.resize(grid.halfSteps());
+    tables.frames.resize(grid.halfSteps());
     for (int half = 0; half < grid.halfSteps(); ++half) {
         const Position at = locate(time, grid.halfStepTime(half));
         if (!at.inside) throw std::invalid_argument("Drive::makeFixedMotion: the grid leaves the recorded time");
@@ -205,9 +240,16 @@ Drive Drive::makeFixedMotion(const std::vector<double>& time, const PartMotion& 
         frame.p_GF = combine(value, fixed.p, velocity, at.interval);
         frame.v_GF = combine(slope, fixed.p, velocity, at.interval) / interval;
         frame.w_GF = leftJacobian(theta) * combine(slope, fixed.theta, rotation_rate, at.interval) / interval;
-        drive.frames_[half] = makeFrameRow(frame);
+        tables.frames[half] = makeFrameRow(frame);
     }
-    return drive;
+    return Drive(grid, time.front(), std::move(tables));
+}
+
+Drive Drive::withLoadShift(const Eigen::Vector3d& force) const {
+    if (load().cols() == 0) throw std::logic_error("Drive::withLoadShift: there is no load");
+    Drive shifted = *this;
+    shifted.load_shift_ = force;
+    return shifted;
 }
 
 Bracket::FrameAcceleration Drive::calcFrameAcceleration(int half) const {
@@ -222,9 +264,9 @@ Drive Drive::make(const RunMotion& run, const MountModel& model, const TimeGrid&
     const bool loaded = run.load.cols() > 0 && loadActs(model), based = run.base.cols() > 0;
     const Eigen::Matrix3Xd load = loaded ? run.load : Eigen::Matrix3Xd();
     if (followsRecordedFrame(run, model, loaded)) return makeFixedMotion(run.time, run.fixed, grid, load);
-    Drive drive = makeLoad(run.time, load, run.base, grid);
-    if (based) drive.base_displacement_ = tabulate(run.time, run.base_displacement, grid);
-    return drive;
+    Tables tables = tabulateLoad(run.time, load, run.base, grid);
+    if (based) tables.base_displacement = tabulate(run.time, run.base_displacement, grid);
+    return Drive(grid, run.time.front(), std::move(tables));
 }
 
 }  // namespace wems::identify

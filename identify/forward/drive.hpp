@@ -4,6 +4,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "identify/motion/motion.hpp"
@@ -22,6 +24,7 @@ struct FrameRow {
 /// What drives, at all half steps of the grid.
 struct DriveRows {
     const double* load = nullptr;      ///< 3 for each half step; null without
+    double load_shift[3] = {0, 0, 0};  ///< on the load of all rows
     const double* base = nullptr;      ///< likewise
     const FrameRow* frames = nullptr;  ///< likewise
     /// The motion at a part (0…1) between two rows, h (s) apart.
@@ -60,7 +63,8 @@ public:
     /// Load at the bracket's load point (3 x n, N) and base acceleration (3 x n, m/s²) at the times `time` (s,
     /// uniform); either may be empty. Between samples cubic Hermite with slopes of fourth order: a signal of frequency
     /// f sampled at f_s is met to (2π f / f_s)^4 / 384 or better, where linear interpolation would lose (2π f / f_s)²
-    /// / 12 of its amplitude (0.8 % at 50 Hz and 1 kHz). Zero outside the recorded time.
+    /// / 12 of its amplitude (0.8 % at 50 Hz and 1 kHz). Axes of which more than 0.2 % would be lost are interpolated
+    /// by a windowed sinc instead (merge/merge.hpp). Zero outside the recorded time.
     static Drive makeLoad(const std::vector<double>& time, const Eigen::Matrix3Xd& load, const Eigen::Matrix3Xd& base,
                           const TimeGrid& grid);
 
@@ -78,32 +82,44 @@ public:
     /// - a load on the mobile part always acts.
     static Drive make(const RunMotion& run, const MountModel& model, const TimeGrid& grid);
 
+    /// The same drive with a constant force on the load of all rows, N; load() stays as it was recorded. Both share
+    /// their tables. @throws std::logic_error without load
+    Drive withLoadShift(const Eigen::Vector3d& force) const;
+
     const TimeGrid& grid() const { return grid_; }
-    bool prescribesMotion() const { return !frames_.empty(); }
+    bool prescribesMotion() const { return !tables_->frames.empty(); }
 
     /// All tables as the integrator reads them; refers to this object.
     DriveRows rows() const;
     /// Motion of F at a table row; prescribesMotion() only.
-    FrameMotion frame(int half) const { return makeFrameMotion(frames_[half]); }
+    FrameMotion frame(int half) const { return makeFrameMotion(tables_->frames[half]); }
     /// Its acceleration, by differences of the tabulated velocities; prescribesMotion() only.
     Bracket::FrameAcceleration calcFrameAcceleration(int half) const;
     /// Time since the start of the recording (s), which drift counts from.
     double elapsedTime(int half) const { return grid_.halfStepTime(half) - origin_; }
     /// Load (N) and base acceleration (m/s²) at all table rows, in G; empty if there is none.
-    const Eigen::Matrix3Xd& load() const { return load_; }
-    const Eigen::Matrix3Xd& base() const { return base_; }
+    const Eigen::Matrix3Xd& load() const { return tables_->load; }
+    const Eigen::Matrix3Xd& base() const { return tables_->base; }
     /// Displacement of the base (m) where make() knows it, for markers; empty otherwise.
-    const Eigen::Matrix3Xd& baseDisplacement() const { return base_displacement_; }
+    const Eigen::Matrix3Xd& baseDisplacement() const { return tables_->base_displacement; }
     /// Swept frequency (Hz) of the load at all table rows; empty without load.
-    const Eigen::VectorXd& sweptFrequency() const { return frequency_; }
+    const Eigen::VectorXd& sweptFrequency() const { return tables_->frequency; }
 
 private:
-    Drive(const TimeGrid& grid, double origin) : grid_(grid), origin_(origin) {}
+    struct Tables {
+        std::vector<FrameRow> frames;
+        Eigen::Matrix3Xd load, base, base_displacement;
+        Eigen::VectorXd frequency;
+    };
+    Drive(const TimeGrid& grid, double origin, Tables tables)
+        : grid_(grid), origin_(origin), tables_(std::make_shared<const Tables>(std::move(tables))) {}
+    static Tables tabulateLoad(const std::vector<double>& time, const Eigen::Matrix3Xd& load,
+                               const Eigen::Matrix3Xd& base, const TimeGrid& grid);
+
     TimeGrid grid_;
     double origin_;
-    std::vector<FrameRow> frames_;
-    Eigen::Matrix3Xd load_, base_, base_displacement_;
-    Eigen::VectorXd frequency_;
+    Eigen::Vector3d load_shift_ = Eigen::Vector3d::Zero();
+    std::shared_ptr<const Tables> tables_;
 };
 
 }  // namespace wems::identify

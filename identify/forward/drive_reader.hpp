@@ -26,6 +26,7 @@ public:
         if (drive_.load != nullptr) {
             double value[3];
             interpolateRows(drive_.load, row, part, value);
+            for (int i = 0; i < 3; ++i) value[i] += drive_.load_shift[i];
             if (gain != nullptr) multiply(value, gain + 3 * static_cast<long>(row), part);
             setVector(forcing.load, l, value);
         }

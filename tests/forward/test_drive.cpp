@@ -27,6 +27,34 @@ TEST_CASE("the load between samples is met to fourth order") {
     CHECK(std::log2(measure(1e-3) / measure(5e-4)) == Approx(4).margin(0.3));
 }
 
+TEST_CASE("a load with few samples in a period is met by a windowed sinc, its shift at all rows") {
+    TimeGrid grid = test::makeGrid(1e-3, 2001);
+    TimeGrid fine = grid;
+    fine.steps_per_sample = 3;
+    const auto at = [](double t) {
+        double sum = 0;
+        for (const double f : {37.3, 170.9, 263.1, 349.7}) sum += std::sin(kTwoPi * f * t + f);
+        return sum;
+    };
+    Eigen::Matrix3Xd load = Eigen::Matrix3Xd::Zero(3, grid.samples);
+    for (int k = 0; k < grid.samples; ++k) load(2, k) = at(grid.sampleTime(k));
+    const Drive drive = Drive::makeLoad(test::makeTimes(grid), load, {}, fine);
+    double worst = 0;  // where the sinc has samples on both sides
+    for (int half = 300; half < fine.halfSteps() - 300; ++half)
+        worst = std::max(worst, std::abs(drive.load()(2, half) - at(fine.halfStepTime(half))));
+    CHECK(worst < 4e-3);  // of four ones; cubics leave (2 pi 0.35)^4 / 384 of the last, 6 %
+    CHECK(drive.load().topRows(2).isZero(0));
+
+    const Drive shifted = drive.withLoadShift({0, 0, 0.5});
+    const MountModel model = test::makeCross();
+    const Eigen::MatrixXd expected =
+        ForwardModel(model)
+            .simulate(Drive::makeLoad(test::makeTimes(grid), load.colwise() + Eigen::Vector3d(0, 0, 0.5), {}, fine))
+            .q;
+    CHECK(test::calcRelativeError(ForwardModel(model).simulate(shifted).q, expected) < 1e-9);
+    CHECK_THROWS_AS(Drive::makeFree(grid).withLoadShift({0, 0, 1}), std::logic_error);
+}
+
 TEST_CASE("outside of the recorded time there is no load, and no motion to follow") {
     const TimeGrid recorded = test::makeGrid(1e-3, 11);
     TimeGrid longer = test::makeGrid(1e-3, 21);
