@@ -63,7 +63,13 @@ void addFitCommand(CLI::App& app, int& exit_status) {
                   "write the model with the identified values to FILE (TOML)");
     command->add_option(
         "--free", options->request.fit.free_body,
-        "also identify body.center_of_gravity, body.inertia, or one component such as body.inertia.Ixx");
+        "also identify body.center_of_gravity, body.inertia, or one component such as body.inertia.Ixx; by simulation "
+        "any number of the model, such as 1.z.cubic or body.mass");
+    command
+        ->add_option("--method", options->request.method,
+                     "fit to the equations of motion, or to free simulations, which need no derivatives; auto takes "
+                     "motion wherever the sampling holds them")
+        ->check(CLI::IsMember({"auto", "motion", "simulation"}));
     addInputFile(*command, "--validate", options->request.runs.validation,
                  "recordings that judge the fitted model or law; never fitted to");
     command

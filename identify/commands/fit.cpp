@@ -12,6 +12,8 @@
 #include "identify/component/component_diagnosis.hpp"
 #include "identify/fit/fit.hpp"
 #include "identify/fit/law_verdict.hpp"
+#include "identify/fit/output_error.hpp"
+#include "identify/motion/channel_correction.hpp"
 #include "identify/motion/parallel.hpp"
 #include "models/common/error.hpp"
 #include "models/mount_model.hpp"
@@ -56,6 +58,43 @@ void noteNegativeDamping(const FitResult& fit, std::vector<std::string>& notes) 
                         " and others): does the time run backwards, or has a channel the wrong sign?");
 }
 
+/// Where derivatives do not hold, the free simulation is what displacements can be compared with.
+bool choosesSimulation(const FitRequest& request, const std::vector<RunMotion>& runs) {
+    if (request.method != "auto") return request.method == "simulation";
+    return std::any_of(runs.begin(), runs.end(), [](const RunMotion& run) {
+        return run.sufficient_rate > 0 && run.mobile.displacement_measured && !run.mobile.acceleration_measured;
+    });
+}
+
+/// Displacements of the mobile part that all recordings hold.
+std::vector<std::string> listDisplacements(const std::vector<Recording>& recordings) {
+    std::vector<std::string> channels;
+    for (const Channel& channel : recordings.front().channels) {
+        const auto name = parseChannelName(channel.name);
+        if (name && name->part == Part::mobile && name->derivative == Derivative::displacement &&
+            std::all_of(recordings.begin(), recordings.end(),
+                        [&](const Recording& other) { return other.find(channel.name) != nullptr; }))
+            channels.push_back(channel.name);
+    }
+    return channels;
+}
+
+FitResult simulateFit(const FitRequest& request, const std::vector<Recording>& recordings,
+                      const std::vector<RunMotion>& runs, const MountModel& model, Watcher& watcher) {
+    watcher.onStep({"free simulations and their derivatives", kMotionShare, 1});
+    constexpr double usual_steps = 12;
+    FitResult fit =
+        fitBySimulation(runs, model, request.fit, listDisplacements(recordings), [&](int step, double error) {
+            watcher.onProgress(std::min(0.95, step / usual_steps),
+                               "step " + std::to_string(step) + ", error " + formatPercent(error));
+        });
+    if (request.method == "auto")
+        fit.notes.insert(fit.notes.begin(),
+                         "sampled too coarsely for the equations of motion: fitted to free simulations "
+                         "(--method motion takes the equations all the same)");
+    return fit;
+}
+
 /// @param recordings of the runs; none where the runs are blocks of long ones
 void fitDevice(const FitRequest& request, const std::vector<Recording>& recordings, DeviceRuns device, Watcher& watcher,
                FitAnswer& answer) {
@@ -63,7 +102,9 @@ void fitDevice(const FitRequest& request, const std::vector<Recording>& recordin
     answer.notes = std::move(device.notes);
     answer.blocks = std::move(device.blocks);
     watcher.onStep({"equations of motion, parameters and intervals", answer.blocks ? 0 : kMotionShare, 1});
-    answer.mount = fitMount(device.runs, answer.start, request.fit);
+    answer.mount = choosesSimulation(request, device.runs)
+                       ? simulateFit(request, recordings, device.runs, answer.start, watcher)
+                       : fitMount(device.runs, answer.start, request.fit);
     const FitResult& fit = *answer.mount;
     answer.notes.insert(answer.notes.end(), fit.notes.begin(), fit.notes.end());
     noteNegativeDamping(fit, answer.notes);
@@ -145,8 +186,10 @@ void fitElement(const FitRequest& request, std::vector<Recording> recordings, co
 }
 
 nlohmann::json describeOptions(const FitRequest& request) {
-    nlohmann::json options = {
-        {"free", request.fit.free_body}, {"use", request.use}, {"memory_MB", request.memory.megabytes}};
+    nlohmann::json options = {{"free", request.fit.free_body},
+                              {"method", request.method},
+                              {"use", request.use},
+                              {"memory_MB", request.memory.megabytes}};
     const ComponentOptions& element = request.component;
     if (!element.connection.empty()) options["connection"] = element.connection;
     if (element.axis) options["axis"] = std::string(1, "xyz"[*element.axis]);
@@ -199,7 +242,7 @@ FitAnswer runFit(FitRequest request, Watcher& watcher) {
     const std::vector<RecordingSource>& sources = request.runs.recordings;
     const bool asks_for_element = request.component.mass || request.component.axis;
     const auto size = estimateSize(sources, map ? &*map : nullptr);
-    if (size && !size->component && !asks_for_element &&
+    if (size && !size->component && !asks_for_element && request.method != "simulation" &&
         exceedsMemory(*size, answer.start, request.fit, request.memory)) {
         DeviceRuns device = chooseBlocks(sources, map ? &*map : nullptr, answer.start, request.fit, request.use, *size,
                                          request.memory, watcher);
@@ -221,7 +264,10 @@ FitAnswer runFit(FitRequest request, Watcher& watcher) {
         checkFitStart(answer.start, request.runs.model.file);
         checkSampleRate(recordings, answer.start);
         checkDisplacements(recordings, answer.start);
-        for (Recording& recording : recordings) checkWhole(recording, answer.start);
+        for (Recording& recording : recordings) {
+            checkWhole(recording, answer.start);
+            if (!answer.start.sensors.empty()) recording = correctChannels(recording, answer.start.sensors);
+        }
         watch.lap("checks");
         DeviceRuns device = estimateRuns(request, answer.start, recordings, watcher);
         watch.lap("kinematics");

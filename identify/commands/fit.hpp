@@ -21,6 +21,9 @@ struct FitRequest {
     RunSelection runs;
     FitOptions fit;
     MemoryOption memory;
+    /// What a device is fitted to: `motion` (its equations of motion), `simulation` (fit/output_error.hpp), or `auto`:
+    /// motion wherever the sampling holds its derivatives.
+    std::string method = "auto";
     std::string use = "all";     ///< channels of both parts: `all`, `displacements`, `accelerations`
     ComponentOptions component;  ///< of one element; with an axis or a mass, the recordings are taken as its test
     /// Shape of an element's law: `model`, or `found`: what its tests show (component/component_diagnosis.hpp).

@@ -40,7 +40,8 @@ nlohmann::json makeFitJson(const FitResult& fit, const std::vector<std::string>&
     nlohmann::json result = {
         {"parameters", parameters},
         {"not_identifiable", unknown},
-        {"residual", {{"fraction", fit.residual_fraction}, {"over_noise", fit.residual_over_noise}}},
+        {"method", fit.by_simulation ? "simulation" : "motion"},
+        {"residual", {{"fraction", fit.residual_fraction}, {"over_noise", numberOrNull(fit.residual_over_noise)}}},
         {"verdict", formatLawVerdict(judgeLaw(fit.residual_fraction, fit.residual_over_noise))},
         {"notes", notes}};
     for (const auto& [step, seconds] : timing) result["timing"][step] = seconds;
@@ -72,7 +73,8 @@ Table makeOpenTable(const FitResult& fit) {
 
 std::string describeResidual(const FitResult& fit) {
     return "unexplained: " + formatNumber(100 * fit.residual_fraction, 3) +
-           " % of the wrench that the motion demands; " +
+           (fit.by_simulation ? " % of the measured relative displacement, by free simulation; "
+                              : " % of the wrench that the motion demands; ") +
            describeLawVerdict(judgeLaw(fit.residual_fraction, fit.residual_over_noise));
 }
 
@@ -153,6 +155,22 @@ void addCurves(HtmlReport& page, const ReportedFit& reported) {
     addRestoringForces(page, moved, reported.start, reported.fit.model, "as fitted", std::nullopt);
 }
 
+/// Measured and simulated displacement of the axis that moves most, and what is between them.
+void addTrajectory(HtmlReport& page, const FittedTrajectory& trajectory) {
+    Eigen::Index most = 0;
+    trajectory.measured.rowwise().squaredNorm().maxCoeff(&most);
+    page.addHeading("Free simulation: " + trajectory.file);
+    Plot plot{"Relative displacement at " + trajectory.names[most], "time [s]", "displacement [mm]", {}, false};
+    const auto add = [&](const char* name, const Eigen::VectorXd& metres) {
+        const Eigen::VectorXd values = 1e3 * metres;
+        plot.series.push_back({name, trajectory.time, {values.begin(), values.end()}});
+    };
+    add("measured", trajectory.measured.row(most));
+    add("simulated", trajectory.simulated.row(most));
+    add("simulated - measured", trajectory.simulated.row(most) - trajectory.measured.row(most));
+    page.addPlot(plot);
+}
+
 void addDisplacementPlots(HtmlReport& page, const std::vector<RunMotion>& runs) {
     for (std::size_t r = 0; r < std::min(kMostDrawn, runs.size()); ++r) {
         const RunMotion& run = runs[r];
@@ -188,8 +206,10 @@ void writeFitReport(const ReportedFit& reported, const std::string& file, Output
         page.addText("Of " + std::to_string(reported.runs.size()) + " runs the first " + std::to_string(kMostDrawn) +
                      " are drawn below.");
     addCurves(page, reported);
-    for (std::size_t r = 0; r < std::min(kMostDrawn, reported.runs.size()); ++r)
+    for (std::size_t r = 0; r < std::min(kMostDrawn, fit.remainders.size()); ++r)
         addRemainder(page, fit.remainders[r], reported.runs[r].file);
+    for (std::size_t r = 0; r < std::min(kMostDrawn, fit.trajectories.size()); ++r)
+        addTrajectory(page, fit.trajectories[r]);
     if (!reported.recordings.empty()) addMotion(page, makeDeviceScene(reported.runs, reported.recordings, fit.model));
     addDisplacementPlots(page, reported.runs);
     if (!reported.notes.empty()) page.addHeading("How the motion was obtained");

@@ -142,7 +142,7 @@ double calcFitMemory(const MountModel& model, const FitOptions& options) {
     layout.axes = 3 * static_cast<int>(model.connections.size());
     layout.free_body = !options.free_body.empty();
     const auto columns = static_cast<double>(layout.count());
-    const auto parameters = static_cast<double>(makeParameters(model, options.free_body).size());
+    const auto parameters = static_cast<double>(makeAnyParameters(model, options.free_body).size());
     return sizeof(double) * (motion_numbers + equations * (columns + parameters));
 }
 

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "identify/fit/open_groups.hpp"
 #include "identify/fit/slow_offset.hpp"
 #include "identify/fit/stored_equations.hpp"
 #include "identify/motion/parallel.hpp"
@@ -156,13 +157,9 @@ std::string format(double value) {
     return text.data();
 }
 
-/// Interval around a value whose terms have the given sum of magnitudes. The sampled equations themselves are no
-/// better than this part of it (equation_of_motion.hpp), however little noise there is.
-std::array<double, 2> around(double value, double half_width, double magnitude) {
-    constexpr double discretisation = 2e-4;
-    const double width = std::max(half_width, discretisation * magnitude);
-    return {value - width, value + width};
-}
+/// The sampled equations themselves are no better than this part of a value (equation_of_motion.hpp), however little
+/// noise there is.
+constexpr double kDiscretisation = 2e-4;
 
 /// Statistical covariance plus what an error of the regressors may do to directions that are barely separated. What is
 /// not known at all is still known to be within a few times its scale.
@@ -178,76 +175,6 @@ Eigen::MatrixXd addGeometryError(const LinearSystem& system, const Eigen::Matrix
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(total);
     const Eigen::VectorXd variances = eigen.eigenvalues().cwiseMin(largest * largest).cwiseMax(0.0);
     return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
-}
-
-/// Moves the open parameters of `model`, each in proportion to its base value, until the known combinations hold.
-void shareCombinations(const Solver& solver, const LinearSystem& system, const OpenGroup& group, MountModel& model) {
-    const Eigen::Index size = group.members.size();
-    Eigen::VectorXd base(size), fitted(size);
-    std::vector<std::string> names;
-    for (Eigen::Index j = 0; j < size; ++j) {
-        const int member = system.parameters[group.members[j]];
-        names.push_back(solver.parameters()[member].name);
-        base(j) = getParameter(solver.base(), names.back());
-        fitted(j) = getParameter(solver.model(), names.back());
-    }
-    Eigen::VectorXd shared = base;
-    if (!group.known.empty()) {
-        Eigen::MatrixXd factors(group.known.size(), size);
-        for (std::size_t c = 0; c < group.known.size(); ++c) factors.row(c) = group.known[c].factors.transpose();
-        Eigen::VectorXd weight = base.cwiseAbs();
-        if (!(weight.minCoeff() > 0)) weight = system.scale(group.members);
-        const Eigen::MatrixXd weighted = weight.asDiagonal() * factors.transpose();
-        shared += weighted * (factors * weighted).ldlt().solve(factors * (fitted - base));
-    }
-    for (Eigen::Index j = 0; j < size; ++j) setParameter(model, names[j], shared(j));
-}
-
-void reportOpenGroups(const Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
-                      const Identifiability& identifiability, FitResult& result) {
-    const auto nameOf = [&](int member) -> const Parameter& { return solver.parameters()[system.parameters[member]]; };
-    bool shared = false;
-    for (const OpenGroup& group : identifiability.groups) {
-        shareCombinations(solver, system, group, result.model);
-        for (const KnownCombination& known : group.known) {
-            UnidentifiedGroup entry;
-            double magnitude = 0;
-            Eigen::VectorXd combination = Eigen::VectorXd::Zero(system.scale.size());
-            for (std::size_t j = 0; j < known.members.size(); ++j) {
-                const double factor = known.factors(j);
-                if (factor == 0) continue;
-                entry.names.push_back(nameOf(known.members[j]).name);
-                const double term = factor * getParameter(solver.model(), entry.names.back());
-                entry.value += term;
-                magnitude += std::abs(term);
-                combination(known.members[j]) = factor * system.scale(known.members[j]);
-            }
-            entry.combination = known.text;
-            entry.interval95 = around(entry.value, uncertainty.calcHalfWidth(combination), magnitude);
-            entry.unit = nameOf(known.members.front()).unit;
-            entry.separate_by = group.separate_by;
-            result.not_identifiable.push_back(std::move(entry));
-            shared = true;
-        }
-        UnidentifiedGroup rest;  // members that no known combination holds
-        for (const int member : group.members) {
-            const bool combined =
-                std::any_of(group.known.begin(), group.known.end(), [&](const KnownCombination& known) {
-                    for (std::size_t j = 0; j < known.members.size(); ++j)
-                        if (known.members[j] == member && known.factors(j) != 0) return true;
-                    return false;
-                });
-            if (!combined) rest.names.push_back(nameOf(member).name);
-        }
-        if (rest.names.empty()) continue;
-        rest.unit = nameOf(group.members.front()).unit;
-        rest.separate_by = group.separate_by;
-        result.not_identifiable.push_back(std::move(rest));
-    }
-    if (shared)
-        result.notes.emplace_back(
-            "the fitted model shares each known combination among its members in proportion to the values of the "
-            "model");
 }
 
 JointEstimate makeEstimate(const Solver& solver, const std::vector<Parameter>& parameters, const Eigen::VectorXd& scale,
@@ -318,11 +245,14 @@ void fillResult(Solver& solver, const LinearSystem& system, const ParameterUncer
         fitted.model_value = getParameter(solver.base(), fitted.name);
         fitted.value = getParameter(solver.model(), fitted.name);
         fitted.standard_error = uncertainty.calcStandardError(combination);
-        fitted.interval95 = around(fitted.value, uncertainty.calcHalfWidth(combination), std::abs(fitted.value));
+        fitted.interval95 = makeInterval(
+            fitted.value, std::max(uncertainty.calcHalfWidth(combination), kDiscretisation * std::abs(fitted.value)));
         setParameter(result.model, fitted.name, fitted.value);
         result.parameters.push_back(std::move(fitted));
     }
-    reportOpenGroups(solver, system, uncertainty, identifiability, result);
+    addOpenGroups({taking_part, system.scale, solver.base(), solver.model(), kDiscretisation,
+                   [&](const Eigen::VectorXd& combination) { return uncertainty.calcHalfWidth(combination); }},
+                  identifiability, result);
     reportUnreachedStops(solver, result);
     result.remainders = calcRemainders(solver);
     result.residual_fraction = calcUnexplainedFraction(result.remainders, solver.model());

@@ -75,6 +75,14 @@ struct JointEstimate {
     Eigen::MatrixXd covariance;  ///< SI; of directions that the runs leave open several times their sizes
 };
 
+/// Relative displacements of a run, without what the sensors read of nothing; a row for each name, m.
+struct FittedTrajectory {
+    std::string file;
+    std::vector<double> time;        ///< s
+    std::vector<std::string> names;  ///< `4.z`
+    Eigen::MatrixXd measured, simulated;
+};
+
 struct FitResult {
     MountModel model;  ///< with the identified values; open combinations shared in proportion to the model's values
     std::vector<FittedParameter> parameters;
@@ -82,11 +90,14 @@ struct FitResult {
     JointEstimate estimate;
     /// Clearance of each stop that was not reached, and up to where it would have been noticed, m.
     std::map<std::string, double> unreached;
-    double residual_fraction = 0;  ///< RMS of the unexplained wrench over that of the demanded one
-    double residual_over_noise =
-        0;  ///< of the weighted equations, RMS over what the channels' noise gives; 0 if unknown
+    bool by_simulation = false;      ///< output_error.hpp
+    double residual_fraction = 0;    ///< RMS of the unexplained wrench over that of the demanded one; by simulation, of
+                                     ///< the error of the relative displacements over that of the measured ones
+    double residual_over_noise = 0;  ///< of the weighted equations, RMS over what the channels' noise gives; 0 if
+                                     ///< unknown; by simulation infinite if unknown
     std::vector<ParameterDirection> directions;  ///< how well the equations determine the parameters
-    std::vector<RunRemainder> remainders;        ///< of each run
+    std::vector<RunRemainder> remainders;        ///< of each run; none by simulation
+    std::vector<FittedTrajectory> trajectories;  ///< of each run; by simulation alone
     std::vector<std::string> notes;
     std::vector<std::pair<std::string, double>> timing;  ///< step, s
 };

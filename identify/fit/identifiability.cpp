@@ -188,6 +188,8 @@ std::string describeSeparatingMotion(const MountModel& model, const std::vector<
     for (const auto& connection : model.connections) arm = std::max(arm, connection.position.norm());
     if (arm <= 0) arm = 1;
     for (const Parameter& parameter : parameters)
+        if (parameter.kind == ParameterKind::other) return "a run at another level, or over another band";
+    for (const Parameter& parameter : parameters)
         if (parameter.connection < 0) return "a run that turns the mobile part about other axes";
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
     Eigen::Matrix<double, 6, 1> response = Eigen::Matrix<double, 6, 1>::Zero();

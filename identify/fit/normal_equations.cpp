@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <stdexcept>
 
 #include "identify/motion/parallel.hpp"
 #include "models/bryant.hpp"
@@ -163,6 +164,8 @@ Eigen::MatrixXd NormalEquations::makeJacobian(const MountModel& model, const std
             case ParameterKind::damping:
                 jacobian(layout().damping(axis), column) = 1;
                 break;
+            case ParameterKind::other:
+                throw std::logic_error("no equation of motion is linear in " + parameter.name);
             case ParameterKind::center_of_gravity:
             case ParameterKind::inertia: {
                 // The moments are quadratic in these parameters: a central difference is exact.

@@ -81,6 +81,26 @@ std::vector<Parameter> makeParameters(const MountModel& model, const std::vector
     return parameters;
 }
 
+std::vector<Parameter> makeAnyParameters(const MountModel& model, const std::vector<std::string>& free) {
+    std::vector<std::string> of_body, others;
+    for (const std::string& name : free) {
+        const bool grouped = name.rfind("body.center_of_gravity", 0) == 0 || name.rfind("body.inertia", 0) == 0;
+        (grouped ? of_body : others).push_back(name);
+    }
+    std::vector<Parameter> parameters = makeParameters(model, of_body);
+    for (const std::string& name : others) {
+        try {
+            getParameter(model, name);
+        } catch (const InputError& error) {
+            throw InputError({{}, 0, "--free " + name}, error.problem(), error.accepted());
+        }
+        if (std::none_of(parameters.begin(), parameters.end(),
+                         [&](const Parameter& other) { return other.name == name; }))
+            parameters.push_back({ParameterKind::other, name, parameterUnit(name), -1, -1, -1});
+    }
+    return parameters;
+}
+
 double calcScale(const MountModel& model, const Parameter& parameter) {
     const double value = std::abs(getParameter(model, parameter.name));
     switch (parameter.kind) {

@@ -9,7 +9,15 @@
 
 namespace wems::identify {
 
-enum class ParameterKind { stiffness, damping, stop_stiffness, clearance, center_of_gravity, inertia };
+enum class ParameterKind {
+    stiffness,
+    damping,
+    stop_stiffness,
+    clearance,
+    center_of_gravity,
+    inertia,
+    other  ///< any number by its name; of fits to simulations alone (output_error.hpp)
+};
 
 struct Parameter {
     ParameterKind kind = ParameterKind::stiffness;
@@ -25,6 +33,10 @@ struct Parameter {
 /// component of them such as `body.center_of_gravity.z`.
 /// @throws InputError on a name that cannot be freed, listing those that can.
 std::vector<Parameter> makeParameters(const MountModel& model, const std::vector<std::string>& free_body);
+
+/// The same, and any number of the model that `free` names (models/parameter_access.hpp).
+/// @throws InputError on a name of nothing
+std::vector<Parameter> makeAnyParameters(const MountModel& model, const std::vector<std::string>& free);
 
 /// What the value is measured against when asking whether it is known: its own size, or for one that may be zero
 /// (damping, centre of gravity, products of inertia) that of its kind in this model. Always > 0.

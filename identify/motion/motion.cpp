@@ -189,6 +189,7 @@ RunMotion estimateMotion(const Recording& recording, const MountModel& model, Co
     run.fixed_trusted_from = fixed.trusted_from;
     run.trusted_from = std::max(mobile.trusted_from, fixed.trusted_from);
     run.trusted_to = std::min(mobile.trusted_to, fixed.trusted_to);
+    run.sufficient_rate = std::max(mobile.sufficient_rate, fixed.sufficient_rate);
     run.notes.insert(run.notes.end(), mobile.notes.begin(), mobile.notes.end());
     run.notes.insert(run.notes.end(), fixed.notes.begin(), fixed.notes.end());
     run.mobile = std::move(mobile.motion);

@@ -66,6 +66,7 @@ struct RunMotion {
     Eigen::Matrix3Xd base_displacement;  ///< m, from `base`, above 0.6 of the lowest excited frequency; empty without
     double trusted_from = 0;  ///< Hz: below this, displacements derived from accelerations say nothing, of either part
     double mobile_trusted_from = 0, fixed_trusted_from = 0;  ///< Hz, of each part; 0 where displacements were measured
+    double sufficient_rate = 0;      ///< Hz, of sampling, for derivatives of displacements that hold; 0 if they do
     double trusted_to = 0;           ///< Hz: above this, derived accelerations or velocities are not to be trusted
     std::vector<std::string> notes;  ///< how each missing quantity was derived and in which band it is trusted
 };

@@ -39,10 +39,12 @@ double PartEstimator::chooseCutoff(const Eigen::MatrixXd& coordinates) {
                                      findCutoff(coordinates, interval_), 0.25 / interval_);
     result_.trusted_to = 0.5 * cutoff;
     const double end = findAccelerationEnd(coordinates, interval_), enough = 1 / (interval_ * result_.trusted_to);
-    if (cutoff >= 0.25 / interval_ && end > result_.trusted_to)
+    if (cutoff >= 0.25 / interval_ && end > result_.trusted_to) {
+        result_.sufficient_rate = enough * end;
         note("sampled too coarsely for derivatives: of the acceleration's power more than a tenth lies above " +
-             formatHertz(result_.trusted_to) + "; sample at " + formatHertz(enough * end) +
+             formatHertz(result_.trusted_to) + "; sample at " + formatHertz(result_.sufficient_rate) +
              " or more, or record accelerations");
+    }
     return cutoff;
 }
 

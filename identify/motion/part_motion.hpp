@@ -43,6 +43,7 @@ struct PartEstimate {
     PartMotion motion;
     double trusted_from = 0;         ///< Hz
     double trusted_to = 0;           ///< Hz
+    double sufficient_rate = 0;      ///< Hz, as in RunMotion
     std::vector<std::string> notes;  ///< begin with the part's name
 };
 

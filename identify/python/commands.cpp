@@ -73,13 +73,14 @@ struct RunArguments {
     }
 };
 
-Answer fit(const RunArguments& runs, const std::vector<std::string>& free, const std::string& use, double memory,
-           const std::string& connection, const std::string& axis, std::optional<double> mass,
-           std::optional<double> from, std::optional<double> to, const std::string& law, bool timing,
-           const py::object& progress) {
+Answer fit(const RunArguments& runs, const std::vector<std::string>& free, const std::string& method,
+           const std::string& use, double memory, const std::string& connection, const std::string& axis,
+           std::optional<double> mass, std::optional<double> from, std::optional<double> to, const std::string& law,
+           bool timing, const py::object& progress) {
     FitRequest request;
     request.runs = runs.select();
     request.fit.free_body = free;
+    request.method = method;
     request.use = use;
     request.memory.megabytes = memory;
     request.component.connection = connection;

@@ -12,6 +12,7 @@
 #include "models/parameter_access.hpp"
 #include "models/recording/recording_writer.hpp"
 #include "run_program.hpp"
+#include "tests/fit/coarse_oscillator.hpp"
 #include "tests/fit/laboratory_layout.hpp"
 #include "tests/fit/synthetic_run.hpp"
 #include "tests/seed.hpp"
@@ -190,6 +191,79 @@ TEST_CASE("fit --memory: a recording longer than memory is fitted on blocks of i
     const auto refused = fit("100");
     CHECK(refused.exit_status == 2);
     CHECK_THAT(refused.errors, Contains("--memory: is too small for a block of 32768 rows (accepted: at least"));
+}
+
+TEST_CASE("fit of coarse displacements follows simulations unasked, writes the zeros, and its model holds elsewhere") {
+    const auto seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const test::TemporaryDirectory folder;
+    const test::CoarseOscillator device = test::drawOscillator(random);
+    writeRecording(test::recordOscillator(device, 1000, false, 2e-3, random()), folder.path() + "/run.csv");
+    writeRecording(test::recordOscillator(device, 600, true, 2e-3, random()), folder.path() + "/other.csv");
+    const MountModel truth = device.makeModel();
+    writeMountModel(test::mistake(truth, 1.3, random), folder.path() + "/believed.toml");
+    const auto fit = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> arguments{"fit", "run.csv", "--model", "believed.toml", "--json", "fit.json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return runProgram(IDENTIFY_PROGRAM, arguments, folder.path());
+    };
+    const auto by_simulation =
+        fit({"--free", "1.z.cubic", "--validate", "other.csv", "-o", "fitted.toml", "--report", "fit.html"});
+    CAPTURE(by_simulation.output, by_simulation.errors);
+    REQUIRE(by_simulation.exit_status == 0);
+    CHECK_THAT(by_simulation.output, Contains("fitted to free simulations") && Contains("by free simulation; verdict"));
+    const auto result = readJson(folder, "fit.json");
+    CHECK(result.at("method") == "simulation");
+    CHECK(result.at("verdict") == "identified");
+    CHECK(result.at("residual").at("fraction").get<double>() < 3e-3);
+    CHECK(result.at("validation")[0].at("error").get<double>() < 0.02);
+    const MountModel fitted = readMountModel(folder.path() + "/fitted.toml");
+    for (const auto& parameter : result.at("parameters")) {
+        const auto name = parameter.at("name").get<std::string>();
+        CAPTURE(name);
+        const double value = parameter.at("value"), error = parameter.at("standard_error");
+        CHECK(getParameter(fitted, name) == Approx(value));
+        CHECK(std::abs(value - getParameter(truth, name)) < 5 * error);
+    }
+    CHECK(getParameter(fitted, "load.fz.zero") != 0);
+
+    // The equations of motion do not hold them, and have no law but the linear one to offer.
+    CHECK(fit({"--method", "motion"}).exit_status == 0);
+    CHECK(readJson(folder, "fit.json").at("method") == "motion");
+    CHECK(readJson(folder, "fit.json").at("verdict") != "identified");
+    const auto refused = fit({"--method", "motion", "--free", "1.z.cubic"});
+    CHECK(refused.exit_status == 2);
+    CHECK_THAT(refused.errors, Contains("--free 1.z.cubic: not a parameter that can be freed"));
+}
+
+TEST_CASE("fit --method simulation of a device on its bracket agrees with its equations of motion") {
+    const BelievedDevice device(0.1);
+    const auto& folder = device.folder;
+    CAPTURE(device.seed);
+    test::SweepSettings settings;
+    settings.force = {0, 0, 40};  // below the stops
+    settings.octaves_per_minute = 120;
+    settings.sample_rate = 500;
+    writeRecording(test::record(test::simulateSweep(makeDevice(), settings), sensors, device.seed),
+                   folder.path() + "/run.csv");
+    const auto fit = [&](const std::string& method) {
+        const auto result = runProgram(
+            IDENTIFY_PROGRAM, {"fit", "run.csv", "--model", "believed.toml", "--method", method, "--json", "fit.json"},
+            folder.path());
+        CAPTURE(result.output, result.errors);
+        REQUIRE(result.exit_status == 0);
+        return readJson(folder, "fit.json");
+    };
+    const auto motion = fit("motion"), simulation = fit("simulation");
+    CHECK(simulation.at("verdict") == "identified");
+    const auto by_motion = listAxial(motion), by_simulation = listAxial(simulation);
+    CHECK(!by_simulation.empty());
+    for (const auto& [name, estimate] : by_simulation) {
+        CAPTURE(name, estimate.value, estimate.error);
+        CHECK(estimate.value == Approx(getParameter(device.truth, name)).epsilon(0.02));
+        if (by_motion.count(name) > 0) CHECK(estimate.value == Approx(by_motion.at(name).value).epsilon(0.02));
+    }
 }
 
 }  // namespace wems

@@ -92,7 +92,8 @@ def spectra(recordings: _Sources, *, model: _AnyModel | None = None, columns: _F
             geometry: _File | None = None, resolution: float | None = None, reference: str = "", band: _Band = None,
             q: float = 10, progress: _Progress = None) -> Result: ...
 def fit(recordings: _Sources = (), model: _AnyModel | None = None, *, validate: _Sources = (), test: _File | None = None,
-        columns: _File | None = None, geometry: _File | None = None, free: Sequence[str] = (), use: _Use = "all",
+        columns: _File | None = None, geometry: _File | None = None, free: Sequence[str] = (),
+        method: Literal["auto", "motion", "simulation"] = "auto", use: _Use = "all",
         memory: float = 2000, connection: str = "", axis: Literal["", "x", "y", "z"] = "", mass: float | None = None,
         start: float | None = None, end: float | None = None, law: Literal["model", "found"] = "model",
         timing: bool = False, progress: _Progress = None) -> Result: ...

@@ -62,22 +62,25 @@ def spectra(recordings, *, model=None, columns=None, geometry=None, resolution=N
     return _result(answer, "spectra")
 
 
-def fit(recordings=(), model=None, *, validate=(), test=None, columns=None, geometry=None, free=(), use="all",
-        memory=2000, connection="", axis="", mass=None, start=None, end=None, law="model", timing=False,
+def fit(recordings=(), model=None, *, validate=(), test=None, columns=None, geometry=None, free=(), method="auto",
+        use="all", memory=2000, connection="", axis="", mass=None, start=None, end=None, law="model", timing=False,
         progress=None):
     """Stiffness, clearance, stops and damping with 95 % intervals; result.model is the fitted model.
 
-    free: body parameters to identify too. use: all, displacements or accelerations. validate: runs that judge. Of a
+    free: body parameters to identify too, by simulation any number of the model. method: auto, motion (the equations of
+    motion), or simulation (free simulations, which need no derivatives). use: all, displacements or accelerations. validate: runs that judge. Of a
     single element on a test machine: connection, axis, mass (kg), start and end of the window (s), law: the model's
     shape, or the one that its tests show (found).
     """
     if use not in ("all", "displacements", "accelerations"):
         raise InputError(f"use is {use!r} (accepted: all, displacements, accelerations)", key="use")
+    if method not in ("auto", "motion", "simulation"):
+        raise InputError(f"method is {method!r} (accepted: auto, motion, simulation)", key="method")
     if axis not in ("", "x", "y", "z"):
         raise InputError(f"axis is {axis!r} (accepted: x, y, z)", key="axis")
     if law not in ("model", "found"):
         raise InputError(f"law is {law!r} (accepted: model, found)", key="law")
-    answer = _wems.fit(_runs(recordings, model, validate, test, columns, geometry), list(free), use, memory,
+    answer = _wems.fit(_runs(recordings, model, validate, test, columns, geometry), list(free), method, use, memory,
                        connection, axis, mass, start, end, law, timing, progress)
     return _result(answer, "fit")
 
