@@ -171,7 +171,7 @@ AxisForce::AxisForce(const AxisLaw& law) : law_(law), static_stiffness_(law.stif
 }
 
 void AxisForce::collectConstants() {
-    constants_ = {static_stiffness_, law_.stiffness * law_.drift, law_.cubic, law_.damping};
+    constants_ = {static_stiffness_, law_.stiffness * law_.drift, law_.quadratic, law_.cubic, law_.damping};
     for (const Contact& stop : contacts_) {
         constants_.insert(constants_.end(), {stop.direction, stop.direction * law_.offset - stop.clearance,
                                              stop.direction * stop.stiffness, stop.direction * stop.dissipation});
@@ -206,7 +206,7 @@ double AxisForce::calcForce(double q, double v, double t, const double* z) const
 }
 
 double AxisForce::calcStiffness(double q, double v, double t, const double*) const {
-    double stiffness = calcElastomerStiffness(t) + 3 * law_.cubic * q * q;
+    double stiffness = calcElastomerStiffness(t) + (2 * law_.quadratic + 3 * law_.cubic * q) * q;
     for (const Contact& stop : contacts_) {
         if (calcPenetration(stop, q) > 0) {
             stiffness += stop.stiffness * std::max(0.0, 1 + stop.dissipation * stop.direction * v);
@@ -232,7 +232,7 @@ double AxisForce::calcDamping(double q, double v, double, const double*) const {
 }
 
 double AxisForce::calcPotential(double q, double t, const double* z) const {
-    double energy = 0.5 * calcElastomerStiffness(t) * q * q + 0.25 * law_.cubic * q * q * q * q;
+    double energy = (0.5 * calcElastomerStiffness(t) + (law_.quadratic / 3 + 0.25 * law_.cubic * q) * q) * q * q;
     for (const Contact& stop : contacts_) {
         const double penetration = std::max(0.0, calcPenetration(stop, q));
         energy += 0.5 * stop.stiffness * penetration * penetration;
@@ -303,7 +303,7 @@ double AxisForce::draggedStiffness(bool largest) const {
 }
 
 double AxisForce::calcStaticForce(double q) const {
-    double f = (static_stiffness_ + law_.cubic * q * q) * q;
+    double f = (static_stiffness_ + (law_.quadratic + law_.cubic * q) * q) * q;
     for (const Contact& stop : contacts_) {
         f += stop.direction * stop.stiffness * std::max(0.0, calcPenetration(stop, q));
     }
@@ -311,7 +311,7 @@ double AxisForce::calcStaticForce(double q) const {
 }
 
 double AxisForce::calcStaticStiffness(double q) const {
-    double stiffness = static_stiffness_ + 3 * law_.cubic * q * q;
+    double stiffness = static_stiffness_ + (2 * law_.quadratic + 3 * law_.cubic * q) * q;
     for (const Contact& stop : contacts_) {
         if (calcPenetration(stop, q) > 0) stiffness += stop.stiffness;
     }

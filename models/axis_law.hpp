@@ -4,7 +4,7 @@
 /// With q the relative displacement (m) from rest, v = dq/dt (m/s), t the time since the start of the recording (s):
 ///
 ///     f(q, v, z, t) = k (1 + d t) q                      elastomer, drifting
-///                   + k_c q^3                            smooth hardening or softening
+///                   + k_q q^2 + k_c q^3                  smooth asymmetry, hardening or softening
 ///                   + c v                                dashpot
 ///                   + F tanh(v / v_t)                    dry friction (no presliding)
 ///                   + Σ_b g_b k (q − z_b)                Maxwell branches (relaxation, structural damping)
@@ -116,6 +116,7 @@ struct AxisLaw {
     double stiffness = 0;    ///< k, N/m, ≥ 0
     double damping = 0;      ///< c, N s/m, ≥ 0
     double offset = 0;       ///< o, m, rest position minus the middle of the gap
+    double quadratic = 0;    ///< k_q, N/m^2: stiffer towards + than towards −, by 4 k_q |q|
     double cubic = 0;        ///< k_c, N/m^3
     double loss_factor = 0;  ///< η, -, ≥ 0
     double drift = 0;        ///< d, 1/s

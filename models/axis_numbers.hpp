@@ -19,10 +19,11 @@ struct AxisNumber {
 };
 
 /// In the order in which a model file holds them.
-inline constexpr std::array<AxisNumber, 6> kAxisNumbers{{
+inline constexpr std::array<AxisNumber, 7> kAxisNumbers{{
     {"stiffness", &AxisLaw::stiffness, "N/m", AxisNumber::Range::not_negative, AxisNumber::Presence::required},
     {"damping", &AxisLaw::damping, "N s/m", AxisNumber::Range::not_negative, AxisNumber::Presence::optional},
     {"offset", &AxisLaw::offset, "m", AxisNumber::Range::any, AxisNumber::Presence::optional},
+    {"quadratic", &AxisLaw::quadratic, "N/m^2", AxisNumber::Range::any, AxisNumber::Presence::optional},
     {"cubic", &AxisLaw::cubic, "N/m^3", AxisNumber::Range::any, AxisNumber::Presence::optional},
     {"loss_factor", &AxisLaw::loss_factor, "-", AxisNumber::Range::not_negative, AxisNumber::Presence::optional},
     {"drift", &AxisLaw::drift, "1/s", AxisNumber::Range::any, AxisNumber::Presence::optional},

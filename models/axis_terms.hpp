@@ -5,7 +5,7 @@
 ///
 /// The constants of an axis stand one after the other, in the order in which they are read:
 ///
-///     elastomer k − …, its drift per second, cubic, damping
+///     elastomer k − …, its drift per second, quadratic, cubic, damping
 ///     of each stop         direction, direction · offset − clearance, direction · stiffness, direction · dissipation
 ///     of sliding friction  force, 1 / transition velocity
 ///     of each branch       stiffness, 1 / time constant
@@ -36,7 +36,7 @@ struct AxisShape {
     int draggedCount() const { return (bristle ? 1 : 0) + hystereses; }
     int stateCount() const { return branches + draggedCount(); }
     /// Where constants begin, and how many there are.
-    int stopConstants(int stop) const { return 4 + 4 * stop; }
+    int stopConstants(int stop) const { return 5 + 4 * stop; }
     int branchConstants() const { return stopConstants(stops) + (sliding ? 2 : 0); }
     int bristleConstants() const { return branchConstants() + 2 * branches; }
     int hysteresisConstants(int i) const { return bristleConstants() + (bristle ? 3 : 0) + 6 * i; }
@@ -72,8 +72,8 @@ template <class T, class Closed>
 inline T calcAxisForce(const AxisShape& shape, const T* constants, const Closed& closed, const T& q, const T& v,
                        const T& t, const T* z) {
     const T* c = constants;
-    T f = (c[0] + c[1] * t + c[2] * q * q) * q + c[3] * v;
-    c += 4;
+    T f = (c[0] + c[1] * t + (c[2] + c[3] * q) * q) * q + c[4] * v;
+    c += 5;
     for (int i = 0; i < shape.stops; ++i, c += 4) {
         const T penetration = calcPenetration(c, q);
         f += closed(i, penetration) * c[2] * penetration * positivePart(T(1.0) + c[3] * v);

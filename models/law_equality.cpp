@@ -38,10 +38,10 @@ auto valuesOf(const Slider& slider) {
 }
 
 auto valuesOf(const AxisLaw& law) {
-    const auto& [stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, hysteresis, branches,
-                 spectrum, sliders, stops] = law;
-    return std::tie(stiffness, damping, offset, cubic, loss_factor, drift, relaxation, friction, hysteresis, branches,
-                    spectrum, sliders, stops);
+    const auto& [stiffness, damping, offset, quadratic, cubic, loss_factor, drift, relaxation, friction, hysteresis,
+                 branches, spectrum, sliders, stops] = law;
+    return std::tie(stiffness, damping, offset, quadratic, cubic, loss_factor, drift, relaxation, friction, hysteresis,
+                    branches, spectrum, sliders, stops);
 }
 
 }  // namespace

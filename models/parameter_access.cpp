@@ -260,6 +260,7 @@ double axisScale(const MountModel& model, const Target& target, const std::strin
     if (p == "stiffness") return stiffness;
     if (p == "damping") return std::max(law.damping, 0.02 * stiffness / kTypicalFrequency);
     if (p == "offset") return 0.1 * typicalClearance(model);
+    if (p == "quadratic") return 0.1 * stiffness / kTypicalDisplacement;
     if (p == "cubic") return 0.1 * stiffness / (kTypicalDisplacement * kTypicalDisplacement);
     if (p == "drift") return 1e-3;
     if (p == "friction_force" || p == "hysteresis_force") return 0.1 * kTypicalDisplacement * stiffness;

@@ -41,6 +41,7 @@ private:
 void searchAxis(const AxisLaw& law, const std::string& place, Search& search) {
     search.spring(place + "stiffness", law.stiffness, law.stiffness);
     search.damper(place + "damping", law.damping, law.damping);
+    search.spring(place + "quadratic", law.quadratic, 2 * std::abs(law.quadratic) * kTypicalDisplacement);
     search.spring(place + "cubic", law.cubic, 3 * law.cubic * kTypicalDisplacement * kTypicalDisplacement);
     if (law.relaxation) {
         search.offer(place + "time_constant", law.relaxation->time_constant, 1 / law.relaxation->time_constant);

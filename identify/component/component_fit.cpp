@@ -68,6 +68,8 @@ std::vector<Column> makeColumns(const Stack& stack, const AxisLaw& law) {
     std::vector<Column> columns;
     columns.push_back({"stiffness", "N/m", data.q, &AxisLaw::stiffness});
     if (data.has_velocity) columns.push_back({"damping", "N s/m", data.velocity, &AxisLaw::damping});
+    if (law.quadratic != 0)
+        columns.push_back({"quadratic", "N/m^2", data.q.array().square().matrix(), &AxisLaw::quadratic});
     if (law.cubic != 0) columns.push_back({"cubic", "N/m^3", data.q.array().cube().matrix(), &AxisLaw::cubic});
     if (law.friction) {
         columns.push_back({"friction_force", "N",

@@ -170,6 +170,9 @@ FitResult fitBySimulation(const std::vector<RunMotion>& runs, const MountModel& 
         setParameter(result.model, told[j].name, value);
     }
     addOpenGroups({told, scale, model, fitted, 0, calcHalfWidth}, identifiability, result);
+    // Zeros that are not known one by one are still known together, with each other or with an asymmetry of the law.
+    for (std::size_t j = parameters.size(); j < told.size(); ++j)
+        setParameter(result.model, told[j].name, getParameter(fitted, told[j].name));
     result.residual_fraction = search.calcError();
     result.residual_over_noise = calcOverNoise(runs, result.residual_fraction, problem);
     for (std::size_t r = 0; r < runs.size(); ++r)

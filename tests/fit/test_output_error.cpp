@@ -8,6 +8,7 @@
 #include "identify/fit/output_error.hpp"
 #include "identify/fit/output_error_interval.hpp"
 #include "identify/fit/trajectory_problem.hpp"
+#include "identify/motion/channel_correction.hpp"
 #include "models/common/error.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/fit/coarse_oscillator.hpp"
@@ -144,6 +145,17 @@ TEST_CASE("What a free decay cannot tell is said: mass and stiffness, but for th
     for (const FittedParameter& parameter : known.parameters) values[parameter.name] = parameter.value;
     CHECK(values["1.z.stiffness"] == Approx(device.stiffness).epsilon(2e-3));
     CHECK(values["1.z.damping"] == Approx(device.damping).epsilon(2e-2));
+}
+
+TEST_CASE("Zeros that an asymmetry may stand for are kept in the model, whose simulation holds") {
+    std::mt19937_64 random(test::drawSeed());
+    const test::CoarseOscillator device = test::drawOscillator(random);
+    const Recording recording = test::recordOscillator(device, 1000, true, 3e-3, random());
+    const MountModel believed = test::mistake(device.makeModel(), 1.2, random);
+    const FitResult fit = fitRecording(recording, believed, {"1.z.cubic", "1.z.quadratic"});
+    CHECK(fit.residual_fraction < 4e-3);
+    const RunMotion run = estimateMotion(correctChannels(recording, fit.model.sensors), fit.model);
+    CHECK(calcSimulationError(fit.model, prepareRun(run, fit.model, 0)).value() < 0.02);
 }
 
 TEST_CASE("A start far off is left by way of short pieces") {

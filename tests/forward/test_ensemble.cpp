@@ -35,6 +35,7 @@ MountModel drawDevice(std::mt19937& random, bool with_bracket) {
     model.connections[2].axis[0].hysteresis = Hysteresis{vary(5), vary(1e-4), vary(1.5), 0.5};
     model.connections[2].axis[1].relaxation = Relaxation{vary(0.3), 0.01};
     model.connections[2].axis[2].loss_factor = vary(0.1);
+    model.connections[3].axis[2].quadratic = vary(5e6);
     model.connections[3].axis[2].cubic = vary(1e10);
     model.connections[3].axis[0].drift = vary(0.1);
     return model;

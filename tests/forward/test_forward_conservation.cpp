@@ -51,6 +51,7 @@ TEST_CASE("energy plus dissipated energy stays constant with every mechanism in 
     auto& axial = model.connections[3].axis[2];
     axial.damping = 40;
     axial.offset = 1e-4;
+    axial.quadratic = 2e6;
     axial.cubic = 1e9;
     axial.stops = {{Side::positive, 1.2e-3, 8e5, 2.0}, {Side::negative, 1.5e-3, 8e5, 0.0}};
     model.connections[0].axis[0].relaxation = Relaxation{0.3, 0.01};

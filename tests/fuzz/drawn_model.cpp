@@ -72,6 +72,7 @@ void repeatLine(std::string& text, DrawnBytes& bytes) {
 void addLaw(std::string& text, DrawnBytes& bytes) {
     static const std::array<std::pair<std::string, std::string>, 12> laws{{
         {"offset = ", ""},
+        {"quadratic = ", ""},
         {"cubic = ", ""},
         {"loss_factor = ", ""},
         {"drift = ", ""},

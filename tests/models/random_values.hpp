@@ -41,6 +41,7 @@ public:
         law.stiffness = number(1e4, 1e5);
         if (chance()) law.damping = number(1, 100);
         if (chance()) law.offset = number(-3e-4, 3e-4);
+        if (chance()) law.quadratic = number(-3e6, 3e6);
         if (chance()) law.cubic = number(-1e9, 1e10);
         if (chance()) law.loss_factor = number(0.01, 0.3);
         if (chance()) law.drift = number(-1e-2, 1e-2);

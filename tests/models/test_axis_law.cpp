@@ -42,6 +42,19 @@ TEST_CASE("trilinear law is the published one, by hand") {
     CHECK(force.calcStaticForce(-0.002) == Approx(-9));
 }
 
+TEST_CASE("a quadratic term is stiffer on one side than on the other, by hand") {
+    AxisLaw law;
+    law.stiffness = 1000;
+    law.quadratic = 2e5;
+    law.cubic = 1e8;
+    const AxisForce force(law);
+    CHECK(force.calcForce(1e-3, 0, 0, nullptr) == Approx(1 + 0.2 + 0.1));
+    CHECK(force.calcForce(-1e-3, 0, 0, nullptr) == Approx(-1 + 0.2 - 0.1));
+    CHECK(force.calcStaticForce(-1e-3) == Approx(-0.9));
+    CHECK(force.calcStiffness(1e-3, 0, 0, nullptr) - force.calcStiffness(-1e-3, 0, 0, nullptr) == Approx(4 * 2e5 * 1e-3));
+    CHECK(force.calcPotential(-1e-3, 0, nullptr) == Approx(1e-3 * (0.5 - 0.2 / 3 + 0.1 / 4)));
+}
+
 TEST_CASE("an offset shifts both sides of the gap") {
     AxisLaw law;
     law.offset = 3e-4;
@@ -199,6 +212,7 @@ TEST_CASE("values out of range are named with their key") {
         {"stiffness", [](AxisLaw& law) { law.stiffness = -1; }},
         {"damping", [](AxisLaw& law) { law.damping = not_a_number; }},
         {"offset", [](AxisLaw& law) { law.offset = not_a_number; }},
+        {"quadratic", [](AxisLaw& law) { law.quadratic = NAN; }},
         {"cubic", [](AxisLaw& law) { law.cubic = INFINITY; }},
         {"loss_factor", [](AxisLaw& law) { law.loss_factor = -0.1; }},
         {"loss_factor", [](AxisLaw& law) { law.loss_factor = largestLossFactor(); }},

@@ -127,6 +127,7 @@ TEST_CASE("every key lands in its place") {
     CHECK(z.stiffness == 1e5);
     CHECK(z.damping == 97.5);
     CHECK(z.offset == 1e-4);
+    CHECK(z.quadratic == -3e6);
     CHECK(z.cubic == 2e9);
     CHECK(z.loss_factor == 0.1);
     CHECK(z.drift == -1e-3);

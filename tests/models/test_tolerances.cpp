@@ -94,7 +94,7 @@ TEST_CASE("the tolerance of a parameter is in its own unit") {
     check("1.uz",
           0.06 * std::max(first.translation.cwiseAbs().maxCoeff(), first.load_translation.cwiseAbs().maxCoeff()));
     check("1.rx", 0.06 * first.rotation.cwiseAbs().maxCoeff());
-    for (const char* name : {"left.z.cubic", "left.z.offset", "left.x.+.clearance", "body.spin.z"})
+    for (const char* name : {"left.z.quadratic", "left.z.cubic", "left.z.offset", "left.x.+.clearance", "body.spin.z"})
         CHECK(!parameterTolerance(model, name));
     CHECK_THROWS_AS(parameterTolerance(model, "up.z.stiffness"), InputError);
 }
