@@ -1,7 +1,8 @@
 /// @file
 /// Every parameter of a mount model by its name, as results and intervals name it.
 ///
-///     1.z.stiffness  1.z.damping  1.z.offset  1.z.quadratic  1.z.cubic  1.z.loss_factor  1.z.drift        connection.axis.parameter
+///     1.z.stiffness  1.z.damping  1.z.offset  1.z.loss_factor  1.z.drift                   connection.axis.parameter
+///     1.z.quadratic  1.z.cubic
 ///     1.z.stiffness_ratio  1.z.time_constant  1.z.friction_force  1.z.transition_velocity
 ///     1.z.presliding_stiffness
 ///     1.z.hysteresis_force  1.z.yield_displacement  1.z.exponent  1.z.shape

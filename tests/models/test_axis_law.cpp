@@ -51,7 +51,8 @@ TEST_CASE("a quadratic term is stiffer on one side than on the other, by hand") 
     CHECK(force.calcForce(1e-3, 0, 0, nullptr) == Approx(1 + 0.2 + 0.1));
     CHECK(force.calcForce(-1e-3, 0, 0, nullptr) == Approx(-1 + 0.2 - 0.1));
     CHECK(force.calcStaticForce(-1e-3) == Approx(-0.9));
-    CHECK(force.calcStiffness(1e-3, 0, 0, nullptr) - force.calcStiffness(-1e-3, 0, 0, nullptr) == Approx(4 * 2e5 * 1e-3));
+    CHECK(force.calcStiffness(1e-3, 0, 0, nullptr) - force.calcStiffness(-1e-3, 0, 0, nullptr) ==
+          Approx(4 * 2e5 * 1e-3));
     CHECK(force.calcPotential(-1e-3, 0, nullptr) == Approx(1e-3 * (0.5 - 0.2 / 3 + 0.1 / 4)));
 }
 
