@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "identify/fit/open_groups.hpp"
 #include "identify/fit/output_error_interval.hpp"
@@ -101,6 +102,13 @@ std::string describePieces(const TrajectoryProblem& problem) {
            formatNumber(100.0 * static_cast<double>(used) / static_cast<double>(all), 3) + " % of the samples";
 }
 
+/// Noise of what drives comes back as motion at the resonances, where runs of few resonance widths show one draw of it.
+bool drivesByNoise(const TrajectoryRuns& runs) {
+    for (std::size_t r = 0; r < runs.size(); ++r)
+        if (runs[r].drive.prescribesMotion() && !runs.motion(r).fixed.p.isZero(0)) return true;
+    return false;
+}
+
 double calcOverNoise(const std::vector<RunMotion>& runs, double error, const TrajectoryProblem& problem) {
     double noise = 0, moved = 0;
     for (std::size_t r = 0; r < runs.size(); ++r) {
@@ -125,13 +133,20 @@ FitResult fitBySimulation(const std::vector<RunMotion>& runs, const MountModel& 
     const std::vector<Parameter> parameters = makeAnyParameters(model, options.free_body);
     std::vector<std::string> names;
     for (const Parameter& parameter : parameters) names.push_back(parameter.name);
-    const OutputErrorSolution solution = solveOutputError(runs, model, names, report);
-    TrajectoryProblem& problem = *solution.problem;
+    OutputErrorSolution solution;
+    std::optional<OutputErrorUncertainty> known;
+    try {
+        solution = solveOutputError(runs, model, names, report);
+        watch.lap("simulations");
+        known = makeUncertainty(*solution.problem, *solution.search);
+        watch.lap("intervals");
+    } catch (const SimulationDiverged& why) {
+        throw InputError({}, std::string("the model cannot be followed along the runs: ") + why.what(),
+                         "a model that is nearer to the device, or a fit to the equations of motion (--method motion)");
+    }
+    const TrajectoryProblem& problem = *solution.problem;
     const OutputErrorSearch& search = *solution.search;
-    watch.lap("simulations");
-
-    const OutputErrorUncertainty uncertainty = makeUncertainty(problem, search);
-    watch.lap("intervals");
+    const OutputErrorUncertainty& uncertainty = *known;
 
     const std::vector<ToldNumber> numbers = listNumbers(problem, parameters, model, channels);
     std::vector<Parameter> told;
@@ -178,10 +193,13 @@ FitResult fitBySimulation(const std::vector<RunMotion>& runs, const MountModel& 
     for (std::size_t r = 0; r < runs.size(); ++r)
         result.trajectories.push_back(makeTrajectory(problem, r, search.point()));
     result.notes.push_back(describePieces(problem));
+    if (drivesByNoise(problem.runs()))
+        result.notes.emplace_back(
+            "the recorded displacements of the fixed part drive the simulations, their noise too: where runs are short "
+            "the intervals know too little of it");
     if (!search.settled())
         result.notes.emplace_back(
-            "the values had not settled when no step lessened the error any more: the model that it started from may "
-            "be too far off");
+            "the values had not settled when the search ended: the model that it started from may be too far off");
     watch.lap("what is not known");
     return result;
 }

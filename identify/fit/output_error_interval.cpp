@@ -14,7 +14,8 @@ namespace {
 // Stretches of all runs whose scores count as independent: many more than a 95 % interval needs (with 40 it is 3 %
 // wider than with ever so many), each still some hundred samples.
 constexpr Eigen::Index kStretches = 40;
-constexpr double kNotKnown = 2;  // standard error of a direction, in scales: the data do not tell it
+constexpr Eigen::Index kStretchesOfPiece = 10;  // of a piece of twenty periods: two periods, so that scores are apart
+constexpr double kNotKnown = 2;                 // standard error of a direction, in scales: the data do not tell it
 
 /// Sum over all frequencies of J̃ᴴ P J̃: columns and residual of one run, rows of one sample after those of the other.
 Eigen::MatrixXd calcStationaryNoise(const TrajectoryTangent& tangent) {
@@ -31,8 +32,9 @@ Eigen::MatrixXd calcStationaryNoise(const TrajectoryTangent& tangent) {
         for (Eigen::Index j = 0; j < columns; ++j)
             derivatives.col(j * axes + i) = transform.forward(rowOf(tangent.jacobian.col(j), i));
     }
-    // Neighbours that count as one: as many as there are such groups, so that both grow with the run.
-    const auto together = static_cast<Eigen::Index>(std::ceil(std::sqrt(static_cast<double>(bins))));
+    // Neighbours that count as one. More of them with the run, but ever less of its band, so that a resonance stays
+    // one.
+    const auto together = static_cast<Eigen::Index>(std::ceil(std::cbrt(static_cast<double>(bins))));
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(columns, columns);
     for (Eigen::Index from = 0; from < bins; from += together) {
         const Eigen::Index count = std::min(together, bins - from);
@@ -58,7 +60,8 @@ void OutputErrorUncertainty::add(const TrajectoryTangent& tangent, double weight
     information_(at, at) += weight * tangent.jacobian.transpose() * tangent.jacobian;
     noise_(at, at) += weight * weight * calcStationaryNoise(tangent);
     const Eigen::Index samples = tangent.residual.size() / tangent.axes;
-    const Eigen::Index share = (kStretches + static_cast<Eigen::Index>(pieces) - 1) / static_cast<Eigen::Index>(pieces);
+    const auto all = static_cast<Eigen::Index>(pieces);
+    const Eigen::Index share = pieces == 1 ? kStretches : std::min(kStretchesOfPiece, (kStretches + all - 1) / all);
     const Eigen::Index stretches = std::min(share, samples);
     for (Eigen::Index b = 0; b < stretches; ++b) {
         const Eigen::Index from = b * samples / stretches * tangent.axes;

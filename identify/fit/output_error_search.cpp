@@ -202,20 +202,15 @@ private:
         if (whole) pieces = solution.runs->keepWhole();
         solution.problem = makeProblem(*solution.runs, std::move(pieces));
         TrajectoryPoint point = solution.problem->start();
-        try {
-            if (!whole)
-                for (const double periods : first_periods) {
-                    const auto begun =
-                        makeProblem(*solution.runs, solution.runs->shorten(solution.problem->pieces(), periods));
-                    const auto search = makeSearch(*begun, begun->adopt(*solution.problem, point));
-                    search->run(few_steps);
-                    point = solution.problem->adopt(*begun, search->point());
-                }
-            solution.search = makeSearch(*solution.problem, std::move(point));
-        } catch (const SimulationDiverged& why) {
-            throw InputError({}, std::string("the model to start from cannot be simulated: ") + why.what(),
-                             "a model that is near enough to follow the runs");
-        }
+        if (!whole)
+            for (const double periods : first_periods) {
+                const auto begun =
+                    makeProblem(*solution.runs, solution.runs->shorten(solution.problem->pieces(), periods));
+                const auto search = makeSearch(*begun, begun->adopt(*solution.problem, point));
+                search->run(few_steps);
+                point = solution.problem->adopt(*begun, search->point());
+            }
+        solution.search = makeSearch(*solution.problem, std::move(point));
         return solution;
     }
 

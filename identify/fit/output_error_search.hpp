@@ -69,13 +69,13 @@ struct OutputErrorSolution {
 /// Runs are simulated in pieces of twenty periods. Over two periods each change of a number shows in proportion,
 /// however far off the model is; they come first, and pieces grow from there. A whole run would do no better where a
 /// device forgets its start within twenty periods (damping of 1 % or more), and could not be followed where stops or
-/// hardening make the motion sensitive to its start. Runs on a bracket that is free are whole: what moves it at the
-/// start of a piece is not recorded.
+/// hardening make the motion sensitive to its start. Runs on a bracket that is free, or on a base known by its
+/// acceleration alone, are whole: their state at the start of a piece is not recorded.
 ///
 /// Steps of the integration are then made so short that they move the values by less than a tenth of their standard
 /// errors.
 /// @param report step from 1, error so far
-/// @throws InputError as fitBySimulation() does
+/// @throws InputError as fitBySimulation() does, SimulationDiverged
 OutputErrorSolution solveOutputError(const std::vector<RunMotion>& motions, const MountModel& model,
                                      const std::vector<std::string>& names,
                                      const std::function<void(int step, double error)>& report);

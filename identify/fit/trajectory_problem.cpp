@@ -85,7 +85,8 @@ TrajectoryRuns::TrajectoryRuns(const std::vector<RunMotion>& runs, const MountMo
                              "recordings with displacements, or a fit to the equations of motion (--method motion)");
         prepared_.push_back(prepareRun(run, model, 0, refinement));
         mean_squares_.push_back(std::pow(rootMeanSquare(prepared_.back().measured.q), 2));
-        if (!model.bracket.empty() && !prepared_.back().drive.prescribesMotion()) bracket_is_free_ = true;
+        const Drive& drive = prepared_.back().drive;
+        if (!drive.prescribesMotion() && (!model.bracket.empty() || drive.base().cols() > 0)) starts_are_open_ = true;
     }
 }
 
@@ -103,7 +104,7 @@ int TrajectoryRuns::findLength(std::size_t run, double periods) const {
 
 std::vector<TrajectoryPiece> TrajectoryRuns::cut(double periods, int most_pieces) const {
     std::vector<TrajectoryPiece> pieces;
-    if (bracket_is_free_) return pieces;
+    if (starts_are_open_) return pieces;
     const int share = std::max(1, most_pieces / static_cast<int>(size()));
     for (std::size_t r = 0; r < size(); ++r) {
         const int all = prepared_[r].drive.grid().samples, length = findLength(r, periods), fit = all / length;

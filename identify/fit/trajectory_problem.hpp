@@ -72,7 +72,8 @@ public:
     /// Each run as a whole.
     std::vector<TrajectoryPiece> keepWhole() const;
     /// All samples in pieces of so many periods of the motion or somewhat more, one after the other, or so many pieces
-    /// spread evenly; none where what moves the fixed part is not known at their start: with a bracket that is free.
+    /// spread evenly; none where the state is not known at their start: with a bracket that is free, or relative to a
+    /// base that is known by its acceleration alone.
     std::vector<TrajectoryPiece> cut(double periods, int most_pieces) const;
     /// What comes first of each piece, so many periods at most.
     std::vector<TrajectoryPiece> shorten(std::vector<TrajectoryPiece> pieces, double periods) const;
@@ -84,7 +85,7 @@ private:
     std::vector<PreparedRun> prepared_;
     std::vector<double> mean_squares_;
     int refinement_;
-    bool bracket_is_free_ = false;
+    bool starts_are_open_ = false;
 };
 
 class TrajectoryProblem {

@@ -80,17 +80,32 @@ double calcHermiteError(const Eigen::VectorXd& signal, double interval) {
     return power > 0 ? std::sqrt((share.square() * spectrum.density.array()).sum() / power) : 0;
 }
 
-/// The rows that have too few samples in a period for polynomials: by a windowed sinc, which takes them as they were
-/// before they were sampled, without what lies above half the rate.
+/// What polynomials may lose of a row, RMS over that of the row: as the integrator's steps are chosen, of the motion
+/// (step_size.hpp).
+constexpr double kLargestHermiteError = 2e-3;
+
+/// A row continued at both ends by point reflection, which keeps its value and its slope there, as far as the windowed
+/// sinc reaches.
+UniformSignal continueRow(const Eigen::VectorXd& row, double start, double interval) {
+    const auto last = row.size() - 1;
+    const Eigen::Index reach = std::min<Eigen::Index>(48, last);  // 32 zero crossings, each of up to 1.2 samples
+    UniformSignal signal{start - interval * static_cast<double>(reach), interval, {}};
+    for (Eigen::Index k = reach; k >= 1; --k) signal.values.push_back(2 * row[0] - row[k]);
+    signal.values.insert(signal.values.end(), row.begin(), row.end());
+    for (Eigen::Index k = 1; k <= reach; ++k) signal.values.push_back(2 * row[last] - row[last - k]);
+    return signal;
+}
+
+/// The rows of which polynomials lose more than that: by a windowed sinc, which takes them as they were before they
+/// were sampled, without what lies above half the rate.
 void tabulateCoarseRows(const std::vector<double>& time, const Eigen::Matrix3Xd& signal, const TimeGrid& grid,
-                        Eigen::Matrix3Xd& table) {
-    constexpr double largest_error = 2e-3;  // as the integrator's steps are chosen, of the motion (step_size.hpp)
+                        double largest_error, Eigen::Matrix3Xd& table) {
     const double interval = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
         const Eigen::VectorXd row = signal.row(axis);
         if (row.isZero(0) || !(calcHermiteError(row, interval) > largest_error)) continue;
-        const UniformSignal fine = resample({time.front(), interval, {row.begin(), row.end()}}, grid.start,
-                                            0.5 * grid.step(), grid.halfSteps());
+        const UniformSignal fine =
+            resample(continueRow(row, time.front(), interval), grid.start, 0.5 * grid.step(), grid.halfSteps());
         for (int half = 0; half < grid.halfSteps(); ++half)
             if (locate(time, grid.halfStepTime(half)).inside) table(axis, half) = fine.values[half];
     }
@@ -104,8 +119,31 @@ Eigen::Matrix3Xd tabulate(const std::vector<double>& time, const Eigen::Matrix3X
         const Position at = locate(time, grid.halfStepTime(half));
         if (at.inside) table.col(half) = combine(calcHermite(at.part), signal, slopes, at.interval);
     }
-    tabulateCoarseRows(time, signal, grid, table);
+    tabulateCoarseRows(time, signal, grid, kLargestHermiteError, table);
     return table;
+}
+
+/// A recorded motion at the table's times, and its rate per second.
+struct TabulatedMotion {
+    Eigen::Matrix3Xd value, rate;
+};
+
+/// @param slopes per sample @param coarse they are none that hold: all rows by the windowed sinc, their rates
+///     five-point differences of it, good to (ω h / 2)^4 / 30
+TabulatedMotion tabulateMotion(const std::vector<double>& time, const Eigen::Matrix3Xd& signal,
+                               const Eigen::Matrix3Xd& slopes, const TimeGrid& grid, bool coarse) {
+    const double interval = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+    TabulatedMotion motion{Eigen::Matrix3Xd(3, grid.halfSteps()), Eigen::Matrix3Xd(3, grid.halfSteps())};
+    for (int half = 0; half < grid.halfSteps(); ++half) {
+        const Position at = locate(time, grid.halfStepTime(half));
+        if (!at.inside) throw std::invalid_argument("Drive::makeFixedMotion: the grid leaves the recorded time");
+        motion.value.col(half) = combine(calcHermite(at.part), signal, slopes, at.interval);
+        motion.rate.col(half) = combine(calcHermiteDerivative(at.part), signal, slopes, at.interval) / interval;
+    }
+    if (!coarse) return motion;
+    tabulateCoarseRows(time, signal, grid, 0, motion.value);
+    motion.rate = calcSlopes(motion.value) / (0.5 * grid.step());
+    return motion;
 }
 
 /// The load as the recording that its frequency is told from.
@@ -221,25 +259,22 @@ Drive Drive::makeLoad(const std::vector<double>& time, const Eigen::Matrix3Xd& l
 }
 
 Drive Drive::makeFixedMotion(const std::vector<double>& time, const PartMotion& fixed, const TimeGrid& grid,
-                             const Eigen::Matrix3Xd& load) {
+                             const Eigen::Matrix3Xd& load, bool coarse) {
     Tables tables = tabulateLoad(time, load, {}, grid);
     const double interval = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
     const Eigen::Matrix3Xd velocity = interval * fixed.v;
     Eigen::Matrix3Xd rotation_rate(3, fixed.w.cols());
     for (Eigen::Index k = 0; k < fixed.w.cols(); ++k)
         rotation_rate.col(k) = interval * leftJacobian(fixed.theta.col(k)).inverse() * fixed.w.col(k);
+    const TabulatedMotion place = tabulateMotion(time, fixed.p, velocity, grid, coarse);
+    const TabulatedMotion turn = tabulateMotion(time, fixed.theta, rotation_rate, grid, coarse);
     tables.frames.resize(grid.halfSteps());
     for (int half = 0; half < grid.halfSteps(); ++half) {
-        const Position at = locate(time, grid.halfStepTime(half));
-        if (!at.inside) throw std::invalid_argument("Drive::makeFixedMotion: the grid leaves the recorded time");
-        const HermiteBasis value = calcHermite(at.part);
-        const HermiteBasis slope = calcHermiteDerivative(at.part);
         FrameMotion frame;
-        const Eigen::Vector3d theta = combine(value, fixed.theta, rotation_rate, at.interval);
-        frame.R_GF = rotationFromVector(theta);
-        frame.p_GF = combine(value, fixed.p, velocity, at.interval);
-        frame.v_GF = combine(slope, fixed.p, velocity, at.interval) / interval;
-        frame.w_GF = leftJacobian(theta) * combine(slope, fixed.theta, rotation_rate, at.interval) / interval;
+        frame.R_GF = rotationFromVector(turn.value.col(half));
+        frame.p_GF = place.value.col(half);
+        frame.v_GF = place.rate.col(half);
+        frame.w_GF = leftJacobian(turn.value.col(half)) * turn.rate.col(half);
         tables.frames[half] = makeFrameRow(frame);
     }
     return Drive(grid, time.front(), std::move(tables));
@@ -263,7 +298,9 @@ Bracket::FrameAcceleration Drive::calcFrameAcceleration(int half) const {
 Drive Drive::make(const RunMotion& run, const MountModel& model, const TimeGrid& grid) {
     const bool loaded = run.load.cols() > 0 && loadActs(model), based = run.base.cols() > 0;
     const Eigen::Matrix3Xd load = loaded ? run.load : Eigen::Matrix3Xd();
-    if (followsRecordedFrame(run, model, loaded)) return makeFixedMotion(run.time, run.fixed, grid, load);
+    if (followsRecordedFrame(run, model, loaded))
+        return makeFixedMotion(run.time, run.fixed, grid, load,
+                               run.sufficient_rate > 0 && !run.fixed.acceleration_measured);
     Tables tables = tabulateLoad(run.time, load, run.base, grid);
     if (based) tables.base_displacement = tabulate(run.time, run.base_displacement, grid);
     return Drive(grid, run.time.front(), std::move(tables));

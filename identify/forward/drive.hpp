@@ -70,9 +70,10 @@ public:
 
     /// Recorded motion of the fixed part: position and rotation vector cubic Hermite, velocities their derivatives.
     /// `load` (3 x n, N; may be empty) is a load on the mobile part.
+    /// @param coarse too few samples in a period for derivatives: positions by a windowed sinc, velocities as its own
     /// @throws std::invalid_argument if the grid leaves the recorded time.
     static Drive makeFixedMotion(const std::vector<double>& time, const PartMotion& fixed, const TimeGrid& grid,
-                                 const Eigen::Matrix3Xd& load = {});
+                                 const Eigen::Matrix3Xd& load = {}, bool coarse = false);
 
     /// What the error of a free simulation is defined with:
     /// - with a bracket: the load and base acceleration that were recorded; the recorded motion of the fixed part if
