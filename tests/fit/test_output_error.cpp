@@ -28,8 +28,8 @@ FitResult fitRecording(const Recording& recording, const MountModel& model, cons
 
 /// Draws devices, fits each from a model that is off by up to a third, and counts intervals that hold.
 struct Coverage {
-    int intervals = 0, held = 0, found = 0;  // fits that leave the noise alone
-    double worst = 0;                        // standard errors
+    int intervals = 0, held = 0, fits = 0;
+    double worst = 0;  // standard errors
 };
 Coverage measureCoverage(int cases, int samples, std::mt19937_64& random) {
     Coverage coverage;
@@ -39,9 +39,9 @@ Coverage measureCoverage(int cases, int samples, std::mt19937_64& random) {
         const MountModel truth = device.makeModel();
         const FitResult fit = fitRecording(recording, test::mistake(truth, 1.35, random), kFree);
         CAPTURE(c, device.mass, device.stiffness, device.damping, device.cubic, fit.residual_fraction);
-        CHECK(fit.residual_fraction < 0.03);  // what a piece leaves that is caught in a start that is none
+        CHECK(fit.residual_fraction < 4e-3);
         CHECK(fit.parameters.size() == 6);
-        if (fit.residual_fraction < 4e-3) ++coverage.found;
+        ++coverage.fits;
         for (const FittedParameter& parameter : fit.parameters) {
             const double error = std::abs(parameter.value - getParameter(truth, parameter.name));
             ++coverage.intervals;
@@ -61,7 +61,6 @@ TEST_CASE("Coarse displacements and a load give mass, stiffness, damping, harden
     const Coverage coverage = measureCoverage(8, 1500, random);
     CAPTURE(coverage.held, coverage.intervals, coverage.worst);
     CHECK(coverage.intervals == 48);
-    CHECK(coverage.found >= 7);  // of eight; one of a hundred is not (VALIDATION.md), two of eight once in four hundred
     CHECK(coverage.held >= 40);  // of 48 at 95 %, less are seen once in a thousand times
     CHECK(coverage.worst < 5);
 }
@@ -71,7 +70,6 @@ TEST_CASE("Intervals of fits to simulations, many draws", "[.simulated]") {
     const Coverage coverage = measureCoverage(100, 2500, random);
     WARN(coverage.held << " of " << coverage.intervals << " intervals hold, the farthest value is " << coverage.worst
                        << " standard errors away");
-    CHECK(coverage.found >= 95);
     CHECK(coverage.held >= 0.93 * coverage.intervals);
 }
 
