@@ -165,10 +165,11 @@ public:
             solution.search = makeSearch(*solution.problem, solution.search->point());
             solution.search->run(kMostSteps);
         }
+        for (const std::size_t run : solution.runs->listQuietStarts()) tryRest(run, solution);
         const int refinement = chooseRefinement(solution);
         if (refinement > solution.runs->refinement()) {
             OutputErrorSolution finer;
-            finer.runs = std::make_unique<TrajectoryRuns>(motions_, believed_, refinement);
+            finer.runs = makeRuns(refinement, *solution.runs);
             finer.problem = makeProblem(*finer.runs, solution.problem->pieces());
             finer.search =
                 makeSearch(*finer.problem, finer.problem->adopt(*solution.problem, solution.search->point()));
@@ -182,6 +183,11 @@ private:
     std::unique_ptr<TrajectoryProblem> makeProblem(const TrajectoryRuns& runs,
                                                    std::vector<TrajectoryPiece> pieces) const {
         return std::make_unique<TrajectoryProblem>(runs, std::move(pieces), believed_, names_);
+    }
+    std::unique_ptr<TrajectoryRuns> makeRuns(int refinement, const TrajectoryRuns& like) const {
+        auto runs = std::make_unique<TrajectoryRuns>(motions_, believed_, refinement);
+        for (std::size_t r = 0; r < runs->size(); ++r) runs->setAtRest(r, like.beginsAtRest(r));
+        return runs;
     }
     std::unique_ptr<OutputErrorSearch> makeSearch(TrajectoryProblem& problem, TrajectoryPoint point) {
         return std::make_unique<OutputErrorSearch>(problem, std::move(point), weights_, [this](double error) {
@@ -214,12 +220,30 @@ private:
         return solution;
     }
 
+    /// A start at rest instead of one that is sought, if the criterion of Schwarz (1978, doi:10.1214/aos/1176344136)
+    /// has it so: rest tells zeros from each other, where the run does begin at rest.
+    void tryRest(std::size_t run, OutputErrorSolution& solution) {
+        const double free_cost = solution.search->calcCost();
+        const Eigen::Index free_size = solution.problem->layout().size();
+        OutputErrorSolution rest;
+        rest.runs = makeRuns(solution.runs->refinement(), *solution.runs);
+        rest.runs->setAtRest(run, true);
+        rest.problem = makeProblem(*rest.runs, solution.problem->pieces());
+        rest.search = makeSearch(*rest.problem, rest.problem->adopt(*solution.problem, solution.search->point()));
+        rest.search->run(kMostSteps);
+        const double values = solution.search->countValues();
+        const auto unknowns = static_cast<double>(free_size - rest.problem->layout().size());
+        // Of noise of unknown size: n log(cost) has the place of chi-squared.
+        if (values * std::log(rest.search->calcCost() / free_cost) < unknowns * std::log(values))
+            solution = std::move(rest);
+    }
+
     /// Steps with which what they leave moves the values by less than a tenth of their standard errors, as half the
     /// steps' length tells: of what the steps now leave, that leaves a sixteenth.
     int chooseRefinement(const OutputErrorSolution& solution) const {
         constexpr double small_shift = 0.1, order = 4;
-        const TrajectoryRuns finer(motions_, believed_, 2 * solution.runs->refinement());
-        const auto other = makeProblem(finer, solution.problem->pieces());
+        const auto finer = makeRuns(2 * solution.runs->refinement(), *solution.runs);
+        const auto other = makeProblem(*finer, solution.problem->pieces());
         const TrajectoryPoint point = other->adopt(*solution.problem, solution.search->point());
         const Eigen::Index size = solution.problem->layout().size();
         Eigen::VectorXd push = Eigen::VectorXd::Zero(size);

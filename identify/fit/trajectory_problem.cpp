@@ -88,6 +88,14 @@ TrajectoryRuns::TrajectoryRuns(const std::vector<RunMotion>& runs, const MountMo
         const Drive& drive = prepared_.back().drive;
         if (!drive.prescribesMotion() && (!model.bracket.empty() || drive.base().cols() > 0)) starts_are_open_ = true;
     }
+    for (const PreparedRun& run : prepared_) at_rest_.push_back(starts_are_open_ && !run.start);
+}
+
+std::vector<std::size_t> TrajectoryRuns::listQuietStarts() const {
+    std::vector<std::size_t> quiet;
+    for (std::size_t r = 0; r < size(); ++r)
+        if (!starts_are_open_ && !prepared_[r].start) quiet.push_back(r);
+    return quiet;
 }
 
 std::vector<TrajectoryPiece> TrajectoryRuns::keepWhole() const {
@@ -196,10 +204,14 @@ TrajectoryPoint TrajectoryProblem::adopt(const TrajectoryProblem& other, const T
     adopted.model = point.model;
     const Eigen::Index common = layout_.startAt(0) - layout_.restAt();
     adopted.others.head(common) = point.others.head(common);
-    const bool same = std::equal(
-        pieces_.begin(), pieces_.end(), other.pieces_.begin(), other.pieces_.end(),
-        [](const TrajectoryPiece& a, const TrajectoryPiece& b) { return a.run == b.run && a.first == b.first; });
-    if (same) adopted.others = point.others;
+    for (std::size_t p = 0; p < std::min(pieces_.size(), other.pieces_.size()); ++p) {
+        const int count = layout_.start_counts[p];
+        if (pieces_[p].run != other.pieces_[p].run || pieces_[p].first != other.pieces_[p].first ||
+            count != other.layout_.start_counts[p])
+            continue;
+        adopted.others.segment(layout_.startAt(p) - layout_.restAt(), count) =
+            point.others.segment(other.layout_.startAt(p) - layout_.restAt(), count);
+    }
     return adopted;
 }
 
@@ -232,7 +244,8 @@ ForwardState TrajectoryProblem::makeStart(std::size_t piece, const ForwardModel&
     const TrajectoryPiece& at = pieces_[piece];
     const PreparedRun& prepared = runs_[at.run];
     if (beginsAtRest(at)) return forward.restState(prepared.drive);
-    const StartMotion measured = at.first == 0 ? *prepared.start : pickMotion(runs_.motion(at.run), at.first);
+    const StartMotion measured =
+        at.first == 0 && prepared.start ? *prepared.start : pickMotion(runs_.motion(at.run), at.first);
     ForwardState state = makeState(forward, measured, prepared.drive);
     const Eigen::Index count = layout_.rest_motions.size();
     const Eigen::VectorXd change = point.others.segment(layout_.startAt(piece) - layout_.restAt(), 2 * count);

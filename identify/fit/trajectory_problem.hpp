@@ -8,7 +8,7 @@
 ///
 /// A run is one piece, or several that each begin where the recording was. z_rest are the free motions of the mobile
 /// part that its sensors read at rest (a_i: what they are at axis i), z_load what each axis of the load reads of
-/// nothing. The first instant of a piece is unknown, unless a run begins at rest.
+/// nothing. The first instant of a piece is unknown, unless its run begins at rest.
 #pragma once
 
 #include <Eigen/Core>
@@ -78,12 +78,20 @@ public:
     /// What comes first of each piece, so many periods at most.
     std::vector<TrajectoryPiece> shorten(std::vector<TrajectoryPiece> pieces, double periods) const;
 
+    /// Runs that seem to begin at rest. With few samples in a period noise is told from motion badly, so that a fit
+    /// should ask whether rest is as good as a start that it finds.
+    std::vector<std::size_t> listQuietStarts() const;
+    /// Whether a run is simulated from rest: those with a state that was not recorded, and those that a fit found so.
+    bool beginsAtRest(std::size_t run) const { return at_rest_[run]; }
+    void setAtRest(std::size_t run, bool at_rest) { at_rest_[run] = at_rest; }
+
 private:
     int findLength(std::size_t run, double periods) const;
 
     const std::vector<RunMotion>& motions_;  // which outlive this
     std::vector<PreparedRun> prepared_;
     std::vector<double> mean_squares_;
+    std::vector<bool> at_rest_;
     int refinement_;
     bool starts_are_open_ = false;
 };
@@ -109,7 +117,7 @@ public:
 
     /// The believed model at the measured starts, zeros of nothing.
     const TrajectoryPoint& start() const { return start_; }
-    /// Another problem's model and zeros, and its starts where all pieces begin at the same samples; otherwise the
+    /// Another problem's model and zeros, and its starts of pieces that begin at the same samples; otherwise the
     /// measured ones.
     TrajectoryPoint adopt(const TrajectoryProblem& other, const TrajectoryPoint& point) const;
     /// By how much each unknown may fall before its number would be negative where it must not be, over its scale;
@@ -131,7 +139,7 @@ public:
 
 private:
     ForwardState makeStart(std::size_t piece, const ForwardModel& forward, const TrajectoryPoint& point) const;
-    bool beginsAtRest(const TrajectoryPiece& piece) const { return piece.first == 0 && !runs_[piece.run].start; }
+    bool beginsAtRest(const TrajectoryPiece& piece) const { return piece.first == 0 && runs_.beginsAtRest(piece.run); }
     void setScales();
     std::vector<Eigen::Index> listUnknowns(std::size_t piece) const;
 

@@ -79,7 +79,9 @@ TEST_CASE("At the truth a simulation leaves the noise alone") {
     const Recording recording = test::recordOscillator(device, 1500, true, 0, random());
     const MountModel truth = device.makeModel();
     const std::vector<RunMotion> motions{estimateMotion(recording, truth)};
-    const TrajectoryRuns runs(motions, truth, 8);
+    TrajectoryRuns runs(motions, truth, 8);
+    REQUIRE(runs.listQuietStarts() == std::vector<std::size_t>{0});
+    runs.setAtRest(0, true);
     TrajectoryProblem problem(runs, runs.keepWhole(), truth, {"1.z.stiffness"});
     TrajectoryPoint point = problem.start();
     REQUIRE(problem.layout().load_axes == std::vector<int>{2});
@@ -227,18 +229,24 @@ TEST_CASE("The covariance is that of coloured noise in closed form, and of stret
         CHECK(mean(j, j) < 1.5 * exact(j, j));
     }
     // Noise and derivative in the same eighth of the run: eight times the variance that noise spread evenly would give.
-    tangent.jacobian.setZero();
-    tangent.residual.setZero();
-    for (Eigen::Index k = 0; k < samples / 8; ++k) {
-        tangent.jacobian.row(k) << 1, std::cos(2.1 * static_cast<double>(k));
-        tangent.residual[k] = normal(random);
+    // It is taken from few stretches, so that one draw may be half or twice of it.
+    double variance = 0;
+    constexpr int local_draws = 100;
+    for (int d = 0; d < local_draws; ++d) {
+        tangent.jacobian.setZero();
+        tangent.residual.setZero();
+        for (Eigen::Index k = 0; k < samples / 8; ++k) {
+            tangent.jacobian.row(k) << 1, std::cos(2.1 * static_cast<double>(k));
+            tangent.residual[k] = normal(random);
+        }
+        OutputErrorUncertainty local(2);
+        local.add(tangent, 1);
+        local.solve();
+        variance += std::pow(local.calcStandardError(Eigen::Vector2d::UnitX()), 2) / local_draws;
     }
-    OutputErrorUncertainty local(2);
-    local.add(tangent, 1);
-    local.solve();
-    const double variance = std::pow(local.calcStandardError(Eigen::Vector2d::UnitX()), 2);
-    CHECK(variance > 4.0 / samples);
-    CHECK(variance < 16.0 / samples);
+    CAPTURE(variance * samples);
+    CHECK(variance > 6.0 / samples);
+    CHECK(variance < 12.0 / samples);
 }
 
 }  // namespace wems::identify
