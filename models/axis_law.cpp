@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "models/axis_numbers.hpp"
 #include "models/common/format_number.hpp"
@@ -136,10 +137,21 @@ std::optional<LawProblem> findProblem(const AxisLaw& law) {
     };
     if (auto p = findListProblem(law.spectrum, "spectrum", kMostBranches - law.branches.size(), check)) return p;
     if (auto p = findListProblem(law.sliders, "sliders", kMostSliders, findSliderProblem)) return p;
+    if (!law.curve.empty()) {
+        if (const auto p = findProblem(law.curve))
+            return LawProblem{p->row < 0 ? "curve" : "curve[" + std::to_string(p->row) + "]", p->problem, p->accepted};
+    }
     return findListProblem(law.stops, "stops", law.stops.size(), findStopProblem);
 }
 
-AxisForce::AxisForce(const AxisLaw& law) : law_(law), static_stiffness_(law.stiffness) {
+void moveSlopeToStiffness(AxisLaw& law) {
+    const double slope = ForceCurve(law.curve).calcStiffness(0);
+    if (!(slope > 0)) return;
+    law.curve = subtractSpring(std::move(law.curve), slope);
+    law.stiffness += slope;
+}
+
+AxisForce::AxisForce(const AxisLaw& law) : law_(law), curve_(law.curve), static_stiffness_(law.stiffness) {
     if (law.relaxation) {
         branches_.push_back({law.relaxation->stiffness_ratio * law.stiffness, law.relaxation->time_constant});
     }
@@ -167,6 +179,7 @@ AxisForce::AxisForce(const AxisLaw& law) : law_(law), static_stiffness_(law.stif
     shape_.hystereses = (law.hysteresis ? 1 : 0) + static_cast<int>(law.sliders.size());
     shape_.stops = static_cast<int>(contacts_.size());
     shape_.branches = static_cast<int>(branches_.size());
+    shape_.curve_segments = curve_.segments();
     collectConstants();
 }
 
@@ -198,6 +211,7 @@ void AxisForce::collectConstants() {
                                              slider.exponent.value_or(std::numeric_limits<double>::infinity()), 0.0,
                                              slider.negative_force.value_or(slider.force) / yield, 0.5 * slider.gap});
     }
+    curve_.appendConstants(constants_);
 }
 
 double AxisForce::calcForce(double q, double v, double t, const double* z) const {
@@ -206,7 +220,8 @@ double AxisForce::calcForce(double q, double v, double t, const double* z) const
 }
 
 double AxisForce::calcStiffness(double q, double v, double t, const double*) const {
-    double stiffness = calcElastomerStiffness(t) + (2 * law_.quadratic + 3 * law_.cubic * q) * q;
+    double stiffness =
+        calcElastomerStiffness(t) + (2 * law_.quadratic + 3 * law_.cubic * q) * q + curve_.calcStiffness(q);
     for (const Contact& stop : contacts_) {
         if (calcPenetration(stop, q) > 0) {
             stiffness += stop.stiffness * std::max(0.0, 1 + stop.dissipation * stop.direction * v);
@@ -232,7 +247,8 @@ double AxisForce::calcDamping(double q, double v, double, const double*) const {
 }
 
 double AxisForce::calcPotential(double q, double t, const double* z) const {
-    double energy = (0.5 * calcElastomerStiffness(t) + (law_.quadratic / 3 + 0.25 * law_.cubic * q) * q) * q * q;
+    double energy = (0.5 * calcElastomerStiffness(t) + (law_.quadratic / 3 + 0.25 * law_.cubic * q) * q) * q * q +
+                    curve_.calcPotential(q);
     for (const Contact& stop : contacts_) {
         const double penetration = std::max(0.0, calcPenetration(stop, q));
         energy += 0.5 * stop.stiffness * penetration * penetration;
@@ -303,7 +319,7 @@ double AxisForce::draggedStiffness(bool largest) const {
 }
 
 double AxisForce::calcStaticForce(double q) const {
-    double f = (static_stiffness_ + (law_.quadratic + law_.cubic * q) * q) * q;
+    double f = (static_stiffness_ + (law_.quadratic + law_.cubic * q) * q) * q + curve_.calcForce(q);
     for (const Contact& stop : contacts_) {
         f += stop.direction * stop.stiffness * std::max(0.0, calcPenetration(stop, q));
     }
@@ -311,7 +327,7 @@ double AxisForce::calcStaticForce(double q) const {
 }
 
 double AxisForce::calcStaticStiffness(double q) const {
-    double stiffness = static_stiffness_ + (2 * law_.quadratic + 3 * law_.cubic * q) * q;
+    double stiffness = static_stiffness_ + (2 * law_.quadratic + 3 * law_.cubic * q) * q + curve_.calcStiffness(q);
     for (const Contact& stop : contacts_) {
         if (calcPenetration(stop, q) > 0) stiffness += stop.stiffness;
     }

@@ -5,6 +5,7 @@
 ///
 ///     f(q, v, z, t) = k (1 + d t) q                      elastomer, drifting
 ///                   + k_q q^2 + k_c q^3                  smooth asymmetry, hardening or softening
+///                   + curve(q)                           a measured force curve (models/force_curve.hpp)
 ///                   + c v                                dashpot
 ///                   + F tanh(v / v_t)                    dry friction (no presliding)
 ///                   + Σ_b g_b k (q − z_b)                Maxwell branches (relaxation, structural damping)
@@ -58,6 +59,7 @@
 #include <vector>
 
 #include "models/axis_terms.hpp"
+#include "models/force_curve.hpp"
 
 namespace wems {
 
@@ -126,8 +128,13 @@ struct AxisLaw {
     std::vector<MaxwellBranch> branches;  ///< besides those of relaxation and loss factor, `kMostBranches` at most
     std::vector<Relaxation> spectrum;     ///< likewise, as parts of the stiffness; with `branches` so many at most
     std::vector<Slider> sliders;          ///< `kMostSliders` at most
+    std::vector<CurveRow> curve;          ///< adds to the elastomer; empty: none
     std::vector<Stop> stops;
 };
+
+/// Gives the slope that a curve has at rest, where it is one that pushes back, to the stiffness: what scales with the
+/// stiffness, and tolerances of it, then act on that slope.
+void moveSlopeToStiffness(AxisLaw& law);
 
 /// First key (relative to the axis table, such as `stops[1].clearance`) whose value is out of its range, with the
 /// value and the range; nullopt if the law is usable.
@@ -164,7 +171,8 @@ public:
     double calcStiffness(double q, double v, double t, const double* z) const;
     double calcDamping(double q, double v, double t, const double* z) const;
 
-    /// Recoverable energy (J): elastomer, cubic term, stops, springs of the branches, bristle, hysteresis and sliders.
+    /// Recoverable energy (J): elastomer, cubic term, curve, stops, springs of the branches, bristle, hysteresis and
+    /// sliders.
     double calcPotential(double q, double t, const double* z) const;
 
     /// Power lost to heat (W), ≥ 0: f v − d/dt potential, the explicit time dependence (drift) excluded.
@@ -180,11 +188,12 @@ public:
     /// there; `largest`: beyond its gap, too.
     double draggedStiffness(bool largest = false) const;
 
-    /// The static part alone: elastomer with its static stiffness at t = 0, cubic term, stops; states relaxed.
+    /// The static part alone: elastomer with its static stiffness at t = 0, cubic term, curve, stops; states relaxed.
     double calcStaticForce(double q) const;
     double calcStaticStiffness(double q) const;
 
     const std::vector<MaxwellBranch>& branches() const { return branches_; }
+    const ForceCurve& curve() const { return curve_; }
 
     /// The law as models/axis_terms.hpp evaluates it.
     const AxisShape& shape() const { return shape_; }
@@ -210,6 +219,7 @@ private:
     std::vector<double> constants_;
     std::vector<MaxwellBranch> branches_;
     std::vector<Contact> contacts_;
+    ForceCurve curve_;
     double static_stiffness_ = 0;
     double friction_force_ = 0, transition_velocity_ = 1, presliding_stiffness_ = 0;
 };

@@ -12,6 +12,8 @@
 ///     of a bristle         stiffness σ, sliding stretch F / σ, 1 if it stretches at all
 ///     of hysteresis, and of each slider
 ///                          stiffness F₊ / Y, sliding stretch Y + g/2, exponent n, 2 β − 1, stiffness F₋ / Y, g/2
+///     of a force curve     force and displacement of the first row, slope there, displacement of the last row, slope
+///     of each segment      displacement where it begins, length, slope there, square and cube term
 ///
 /// Bristle, hysteresis and sliders are *dragged*: their stretch follows from the travel alone, and turns where the
 /// motion does.
@@ -30,7 +32,8 @@ struct AxisShape {
     int stops = 0;
     int branches = 0;
     bool sliding = false, bristle = false;
-    int hystereses = 0;  ///< hysteresis and sliders
+    int hystereses = 0;      ///< hysteresis and sliders
+    int curve_segments = 0;  ///< cubics of a force curve
 
     /// How many states are dragged: they come after those of the branches, the bristle first.
     int draggedCount() const { return (bristle ? 1 : 0) + hystereses; }
@@ -45,10 +48,11 @@ struct AxisShape {
         if (!bristle) return hysteresisConstants(dragged);
         return dragged == 0 ? bristleConstants() : hysteresisConstants(dragged - 1);
     }
-    int constantCount() const { return hysteresisConstants(hystereses); }
+    int curveConstants() const { return hysteresisConstants(hystereses); }
+    int constantCount() const { return curveConstants() + (curve_segments > 0 ? 5 + 5 * curve_segments : 0); }
     bool operator==(const AxisShape& other) const {
         return stops == other.stops && branches == other.branches && sliding == other.sliding &&
-               bristle == other.bristle && hystereses == other.hystereses;
+               bristle == other.bristle && hystereses == other.hystereses && curve_segments == other.curve_segments;
     }
 };
 
@@ -62,6 +66,20 @@ inline T calcPenetration(const T* stop, const T& q) {
 template <class T>
 inline T calcHysteresisForce(const T* c, const T& z) {
     return c[0] * positivePart(z - c[5]) - c[4] * positivePart(T(0.0) - z - c[5]);
+}
+
+/// Force (N) of a curve (models/force_curve.hpp): what each segment adds up to q, so that packs need no search.
+/// @param c its constants
+template <class T>
+inline T calcCurveForce(const T* c, int segments, const T& q) {
+    T f = c[0] - c[2] * positivePart(c[1] - q) + c[4] * positivePart(q - c[3]);
+    c += 5;
+    for (int i = 0; i < segments; ++i, c += 5) {
+        const T beyond = positivePart(q - c[0]);
+        const T x = beyond - positivePart(beyond - c[1]);
+        f += x * (c[2] + x * (c[3] + x * c[4]));
+    }
+    return f;
 }
 
 /// f (N).
@@ -85,6 +103,7 @@ inline T calcAxisForce(const AxisShape& shape, const T* constants, const Closed&
     for (int b = 0; b < shape.branches; ++b, c += 2) f += c[0] * (q - *z++);
     if (shape.bristle) f += constants[shape.bristleConstants()] * *z++;
     for (int i = 0; i < shape.hystereses; ++i) f += calcHysteresisForce(constants + shape.hysteresisConstants(i), *z++);
+    if (shape.curve_segments > 0) f += calcCurveForce(constants + shape.curveConstants(), shape.curve_segments, q);
     return f;
 }
 

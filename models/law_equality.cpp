@@ -37,11 +37,16 @@ auto valuesOf(const Slider& slider) {
     return std::tie(force, yield_displacement, gap, negative_force, exponent);
 }
 
+auto valuesOf(const CurveRow& row) {
+    const auto& [displacement, force, stiffness] = row;
+    return std::tie(displacement, force, stiffness);
+}
+
 auto valuesOf(const AxisLaw& law) {
     const auto& [stiffness, damping, offset, quadratic, cubic, loss_factor, drift, relaxation, friction, hysteresis,
-                 branches, spectrum, sliders, stops] = law;
+                 branches, spectrum, sliders, curve, stops] = law;
     return std::tie(stiffness, damping, offset, quadratic, cubic, loss_factor, drift, relaxation, friction, hysteresis,
-                    branches, spectrum, sliders, stops);
+                    branches, spectrum, sliders, curve, stops);
 }
 
 }  // namespace
@@ -67,6 +72,10 @@ bool operator==(const MaxwellBranch& a, const MaxwellBranch& b) {
 }
 
 bool operator==(const Slider& a, const Slider& b) {
+    return valuesOf(a) == valuesOf(b);
+}
+
+bool operator==(const CurveRow& a, const CurveRow& b) {
     return valuesOf(a) == valuesOf(b);
 }
 

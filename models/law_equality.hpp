@@ -13,6 +13,7 @@ bool operator==(const Friction& a, const Friction& b);
 bool operator==(const Hysteresis& a, const Hysteresis& b);
 bool operator==(const MaxwellBranch& a, const MaxwellBranch& b);
 bool operator==(const Slider& a, const Slider& b);
+bool operator==(const CurveRow& a, const CurveRow& b);
 bool operator==(const AxisLaw& a, const AxisLaw& b);
 
 }  // namespace wems

@@ -159,11 +159,24 @@ void readSeries(TomlTable& table, AxisLaw& law) {
             law.branches.push_back(branch);
 }
 
+/// curve = [[-1.0e-3, -90.0], [0.0, 0.0], …]: m, N, and perhaps the slope there, N/m.
+std::vector<CurveRow> readCurve(TomlTable& table) {
+    std::vector<CurveRow> rows;
+    const auto cells = table.findRows("curve", 2, 3);
+    if (!cells) return rows;
+    for (const std::vector<double>& cell : *cells)
+        rows.push_back({cell[0], cell[1], cell.size() > 2 ? std::optional<double>(cell[2]) : std::nullopt});
+    if (const auto problem = findProblem(rows))
+        table.fail(problem->row < 0 ? "curve" : "curve[" + std::to_string(problem->row) + "]", problem->problem,
+                   problem->accepted);
+    return rows;
+}
+
 AxisLaw readAxis(TomlTable& table) {
     AxisLaw law;
-    const bool has_series = table.has("data_sheet") || table.has("spring_pot");
+    const bool has_series = table.has("data_sheet") || table.has("spring_pot"), has_curve = table.has("curve");
     for (const AxisNumber& number : kAxisNumbers)
-        law.*number.member = number.presence == AxisNumber::Presence::required && !has_series
+        law.*number.member = number.presence == AxisNumber::Presence::required && !has_series && !has_curve
                                  ? table.requireNumber(number.key, number.unit)
                                  : table.findNumber(number.key).value_or(0);
     table.readTables("stops", [&law](TomlTable& stop) { law.stops.push_back(readStop(stop)); });
@@ -173,6 +186,8 @@ AxisLaw readAxis(TomlTable& table) {
     table.readTables("branches", [&law](TomlTable& branch) { law.branches.push_back(readBranch(branch)); });
     table.readTables("spectrum", [&law](TomlTable& part) { law.spectrum.push_back(readRelaxation(part)); });
     table.readTables("sliders", [&law](TomlTable& slider) { law.sliders.push_back(readSlider(slider)); });
+    law.curve = readCurve(table);
+    if (!table.has("stiffness") && !has_series) moveSlopeToStiffness(law);
     readSeries(table, law);
     return law;
 }

@@ -121,6 +121,11 @@ std::string formatSlider(const Slider& slider) {
     return text + " }";
 }
 
+std::string formatCurveRow(const CurveRow& row) {
+    return "[" + number(row.displacement) + ", " + number(row.force) +
+           (row.stiffness ? ", " + number(*row.stiffness) : "") + "]";
+}
+
 /// A list of tables, one in each line; nothing if it is empty.
 template <class Item>
 void writeList(const std::string& key, const std::vector<Item>& items, std::string (*format)(const Item&),
@@ -157,6 +162,7 @@ void writeAxis(const AxisLaw& law, const Tolerances& tolerances, char axis, Writ
     writeList("branches", law.branches, formatBranch, out);
     writeList("spectrum", law.spectrum, formatRelaxation, out);
     writeList("sliders", law.sliders, formatSlider, out);
+    writeList("curve", law.curve, formatCurveRow, out);
     writeList("stops", law.stops, formatStop, out);
     out.tolerances(tolerances);
 }

@@ -26,7 +26,7 @@ double calcLargestStiffness(const AxisForce& force) {
     double positive = 0, negative = 0;
     for (const Stop& stop : law.stops)
         (stop.side == Side::positive ? positive : negative) += std::max(0.0, stop.stiffness);
-    double stiffness = law.stiffness + std::max(positive, negative);
+    double stiffness = law.stiffness + std::max(0.0, force.curve().largestStiffness()) + std::max(positive, negative);
     for (const MaxwellBranch& branch : force.branches()) stiffness += branch.stiffness;
     return stiffness + force.draggedStiffness(true);
 }

@@ -183,15 +183,19 @@ long TomlTable::requireInteger(const std::string& key, const std::string& accept
     fail(key, "is of the type " + describe(*node), accepted);
 }
 
-std::optional<std::vector<std::vector<double>>> TomlTable::findRows(const std::string& key, std::size_t columns) {
+std::optional<std::vector<std::vector<double>>> TomlTable::findRows(const std::string& key, std::size_t columns,
+                                                                    std::size_t most) {
     const toml::node* node = find(key);
     if (node == nullptr) return std::nullopt;
-    const std::string numbers = std::to_string(columns) + " numbers", accepted = "a list of rows of " + numbers;
+    most = std::max(most, columns);
+    const std::string count = std::to_string(columns) + (most > columns ? " to " + std::to_string(most) : "");
+    const std::string numbers = count + " numbers", accepted = "a list of rows of " + numbers;
     std::vector<std::vector<double>> rows;
     for (const toml::node& element : toArray(*node, key, accepted)) {
         const std::string element_key = key + "[" + std::to_string(rows.size()) + "]";
         const toml::array& cells = toArray(element, element_key, accepted);
-        if (cells.size() != columns) fail(element_key, "has " + std::to_string(cells.size()) + " values", numbers);
+        if (cells.size() < columns || cells.size() > most)
+            fail(element_key, "has " + std::to_string(cells.size()) + " values", numbers);
         std::vector<double> row;
         for (const toml::node& cell : cells) row.push_back(toNumber(cell, element_key));
         rows.push_back(std::move(row));

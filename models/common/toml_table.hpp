@@ -44,8 +44,9 @@ public:
     /// Numbers of a list; every length of `lengths` is accepted.
     std::vector<double> requireNumbers(const std::string& key, const std::vector<std::size_t>& lengths,
                                        const std::string& accepted);
-    /// Rows of so many numbers; nullopt if absent.
-    std::optional<std::vector<std::vector<double>>> findRows(const std::string& key, std::size_t columns);
+    /// Rows of so many numbers, at most `most` of them in each; nullopt if absent.
+    std::optional<std::vector<std::vector<double>>> findRows(const std::string& key, std::size_t columns,
+                                                             std::size_t most = 0);
 
     /// Calls `read` with the table under this key; false if there is none.
     bool readTable(const std::string& key, const std::function<void(TomlTable&)>& read);

@@ -18,7 +18,8 @@ namespace wems {
 namespace {
 
 bool isNonlinear(const AxisLaw& law) {
-    return !law.stops.empty() || law.quadratic != 0 || law.cubic != 0 || (law.friction && law.friction->force > 0);
+    return !law.stops.empty() || law.quadratic != 0 || law.cubic != 0 || !law.curve.empty() ||
+           (law.friction && law.friction->force > 0);
 }
 
 }  // namespace

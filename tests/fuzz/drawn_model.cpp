@@ -70,7 +70,7 @@ void repeatLine(std::string& text, DrawnBytes& bytes) {
 
 /// Behind the head of a table of one axis.
 void addLaw(std::string& text, DrawnBytes& bytes) {
-    static const std::array<std::pair<std::string, std::string>, 12> laws{{
+    static const std::array<std::pair<std::string, std::string>, 14> laws{{
         {"offset = ", ""},
         {"quadratic = ", ""},
         {"cubic = ", ""},
@@ -83,6 +83,7 @@ void addLaw(std::string& text, DrawnBytes& bytes) {
         {"friction = { force = 5.0, transition_velocity = ", " }"},
         {"hysteresis = { yield_displacement = 1.0e-4, force = ", " }"},
         {"branches = [ { time_constant = 0.01, stiffness = ", " } ]"},
+        {"curve = [[-1.0e-3, ", "], [0.0, 0.0], [1.0e-3, 50.0]]"},
         {"sliders = [ { yield_displacement = 1.0e-4, force = ", ", gap = 1.0e-3 } ]"},
     }};
     std::vector<std::size_t> heads;

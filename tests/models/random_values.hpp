@@ -35,6 +35,19 @@ public:
         return slider;
     }
 
+    /// Through rest, rising or falling, some rows with their slope.
+    std::vector<CurveRow> curve() {
+        std::vector<CurveRow> rows{{0, 0, {}}};
+        for (const double side : {-1.0, 1.0})
+            for (int i = integer(1, 3); i > 0; --i) {
+                const CurveRow& outer = side < 0 ? rows.front() : rows.back();
+                CurveRow row{outer.displacement + side * number(2e-4, 1e-3), outer.force + number(-40, 80), {}};
+                if (chance()) row.stiffness = number(-5e4, 5e4);
+                rows.insert(side < 0 ? rows.begin() : rows.end(), row);
+            }
+        return rows;
+    }
+
     /// A law in which every mechanism may occur.
     AxisLaw law() {
         AxisLaw law;
@@ -55,6 +68,7 @@ public:
             law.branches.push_back({number(1e3, 1e5), number(1e-3, 0.3)});
         law.spectrum.push_back({number(0.01, 0.5), number(1e-3, 0.3)});
         for (int i = chance() ? integer(1, 3) : 0; i > 0; --i) law.sliders.push_back(slider());
+        if (chance()) law.curve = curve();
         for (int i = integer(0, 2); i > 0; --i) {
             law.stops.push_back({chance() ? Side::positive : Side::negative, number(5e-4, 2e-3), number(1e5, 1e6),
                                  chance() ? number(0.1, 2) : 0.0});
