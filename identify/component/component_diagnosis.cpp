@@ -54,11 +54,14 @@ LawSelection selectLaw(const std::vector<ComponentData>& all, const std::vector<
                                           LawTerms::Memory::sliders, LawTerms::Memory::gap_sliders})
         families.push_back({memory, false, false});
     families.push_back({LawTerms::Memory::sliders, true, false});
+    for (const LawTerms::Memory memory : {LawTerms::Memory::none, LawTerms::Memory::sliders})
+        families.push_back({memory, false, false, true});
     const bool timed = std::all_of(tests.begin(), tests.end(), [](const auto& test) { return test.has_velocity; });
     if (timed) {
         families.push_back({LawTerms::Memory::none, false, true});
         families.push_back({LawTerms::Memory::none, true, true});
         families.push_back({LawTerms::Memory::sliders, false, true});
+        families.push_back({LawTerms::Memory::none, false, true, true});
     }
     LawSelection selection;
     for (const LawTerms& terms : families) selection.tried.push_back(fitLaw(tests, terms, stops, place));
@@ -96,6 +99,10 @@ SurfaceKind nameByMemory(SurfaceKind kind, const LawSelection& laws) {
     } else if (law.terms.relaxation && !named) {
         kind.name = "viscoelastic";
         kind.statement = "The force relaxes: Maxwell branches along the recorded motion describe it.";
+        kind.parameters = law.parameters;
+    } else if (law.terms.curve && !named) {
+        kind.name = "force curve";
+        kind.statement = "The force follows the displacement along a curve that is none of the laws tried first.";
         kind.parameters = law.parameters;
     }
     return kind;
@@ -157,7 +164,7 @@ private:
         if (options_.progress) options_.progress({"distributions of sliders and branches"});
         const LawSelection selection = selectLaw(problem_.tests(), law_.stops);
         const LawFit& found = selection.law();
-        if (found.terms.memory == LawTerms::Memory::none && !found.terms.relaxation) return;
+        if (found.terms.memory == LawTerms::Memory::none && !found.terms.relaxation && !found.terms.curve) return;
         const GroupError error = errorOf(found.law, 0);
         if (!(error.identification < 0.5 * result_.error_after.identification) ||
             !(error.validation < 0.5 * result_.error_after.validation))
@@ -194,6 +201,7 @@ private:
                     : "friction",
                 {"sliding", "hysteresis", "yield", "gap"});
         if (found.terms.relaxation) add("relaxation", {"stiffness of all"});
+        if (found.terms.curve) add("force_curve", {"stiffness at the"});
         result_.decisions.push_back(std::move(decision));
         result_.error_after = error;
         const std::vector<Stop> believed = model_.connections[connection_].axis[axis_].stops;

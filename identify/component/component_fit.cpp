@@ -7,6 +7,8 @@
 #include "identify/component/block_regression.hpp"
 #include "identify/component/component_data.hpp"
 #include "models/common/error.hpp"
+#include "models/law_equality.hpp"
+#include "models/sampled_motion.hpp"
 
 namespace wems::identify {
 
@@ -107,6 +109,8 @@ std::string keepFittedTerms(AxisLaw& law) {
     drop("drift", law.drift);
     if (law.relaxation) dropped.emplace_back("relaxation");
     law.relaxation.reset();
+    if (!law.spectrum.empty()) dropped.emplace_back("spectrum");
+    law.spectrum.clear();
     if (law.friction && law.friction->presliding_stiffness) {
         dropped.emplace_back("friction.presliding_stiffness");
         law.friction->presliding_stiffness.reset();
@@ -122,6 +126,28 @@ std::string keepFittedTerms(AxisLaw& law) {
                         : "the model's " + note +
                               ": not what a component test tells; left out of the fitted model, whose other values "
                               "hold the effect (clearances count from rest)";
+}
+
+/// What the fit has no column for and takes as the model has it: curve, branches, sliders.
+AxisLaw pickKnown(const AxisLaw& law) {
+    AxisLaw known;
+    known.curve = law.curve;
+    known.branches = law.branches;
+    known.sliders = law.sliders;
+    return known;
+}
+
+/// Force of a law, each recording on its own.
+Eigen::VectorXd stackForce(const Stack& stack, const AxisLaw& law) {
+    const ComponentData& all = stack.all;
+    Eigen::VectorXd force(all.count());
+    for (std::size_t r = 0; r < stack.run_starts.size(); ++r) {
+        const Eigen::Index begin = stack.run_starts[r];
+        const Eigen::Index end = r + 1 < stack.run_starts.size() ? stack.run_starts[r + 1] : all.count();
+        const auto cut = [&](const Eigen::VectorXd& values) { return values.segment(begin, end - begin).eval(); };
+        force.segment(begin, end - begin) = calcForceAlong(law, cut(all.time), cut(all.q), cut(all.velocity));
+    }
+    return force;
 }
 
 /// The data never go where the parameter acts: what to do about it.
@@ -205,7 +231,8 @@ ComponentFit fitComponent(const std::vector<Recording>& recordings, const MountM
     const auto columns = makeColumns(stack, law);
     HingeProblem problem;
     problem.q = data.q;
-    problem.y = data.force;
+    const AxisLaw known = pickKnown(law);
+    problem.y = known == AxisLaw{} ? data.force : data.force - stackForce(stack, known);
     problem.run_starts = stack.run_starts;
     problem.base.resize(data.count(), columns.size());
     for (std::size_t j = 0; j < columns.size(); ++j) problem.base.col(j) = columns[j].values;
@@ -227,7 +254,8 @@ ComponentFit fitComponent(const std::vector<Recording>& recordings, const MountM
     sortReached(law.stops, result.hinges, reached);
     const Estimates& e = result.estimates;
     fit.gains = gainTolerancesOf(data.source, model);
-    fit.residual_fraction = e.fraction;
+    const double spread = (data.force.array() - data.force.mean()).matrix().norm();
+    fit.residual_fraction = spread > 0 ? e.residual.norm() / spread : 0;
     fit.residual_rms = e.residual.norm() / std::sqrt(static_cast<double>(data.count()));
     fit.effective_samples = static_cast<double>(data.count()) / e.correlation_length;
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "identify/component/block_regression.hpp"
+#include "identify/component/curve_basis.hpp"
 #include "models/common/non_negative.hpp"
 #include "models/sampled_motion.hpp"
 
@@ -14,6 +15,9 @@ namespace wems::identify {
 namespace {
 
 using Memory = LawTerms::Memory;
+
+// Cells of a force curve over the whole travel: a cubic in each. The knee of a stop is round over one of them.
+constexpr int kCurveCells = 12;
 
 /// A part of a law: what its weight multiplies, and where that goes.
 struct WeightedPart {
@@ -43,6 +47,8 @@ public:
             starts.push_back(count);
             count += test.count();
             range = std::max(range, 0.5 * (test.q.maxCoeff() - test.q.minCoeff()));
+            lowest = std::min(lowest, test.q.minCoeff());
+            highest = std::max(highest, test.q.maxCoeff());
             duration = std::max(duration, test.time[test.count() - 1] - test.time[0]);
             interval = std::min(interval, (test.time[test.count() - 1] - test.time[0]) /
                                               static_cast<double>(std::max<Eigen::Index>(1, test.count() - 1)));
@@ -64,6 +70,7 @@ public:
     std::vector<Eigen::Index> starts;
     Eigen::VectorXd force;
     double range = 0, duration = 0, interval = std::numeric_limits<double>::infinity(), spread = 0;
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;  // displacements
     bool has_velocity = true;
 
 private:
@@ -97,7 +104,14 @@ Weights solveWeights(const TestStack& problem, const std::vector<WeightedPart>& 
 }
 
 std::vector<WeightedPart> makeBase(const TestStack& problem, const LawTerms& terms, const std::vector<Stop>& stops) {
-    std::vector<WeightedPart> columns{{{}, false}, {withStiffness(&AxisLaw::stiffness)}};
+    std::vector<WeightedPart> columns{{{}, false}};
+    if (!terms.curve) columns.push_back({withStiffness(&AxisLaw::stiffness)});
+    if (terms.curve)
+        for (std::vector<CurveRow>& rows : makeMonotoneCurves(problem.lowest, problem.highest, kCurveCells)) {
+            AxisLaw law;
+            law.curve = std::move(rows);
+            columns.push_back({law});
+        }
     if (problem.has_velocity) columns.push_back({withStiffness(&AxisLaw::damping)});
     if (terms.cubic) columns.push_back({withStiffness(&AxisLaw::cubic), false});
     for (const Stop& stop : stops) {
@@ -222,6 +236,7 @@ void addPart(const AxisLaw& unit, double weight, AxisLaw& law) {
     law.stiffness += weight * unit.stiffness;
     law.damping += weight * unit.damping;
     law.cubic += weight * unit.cubic;
+    if (!unit.curve.empty() && weight > 0) addCurve(unit.curve, weight, law.curve);
     for (Stop stop : unit.stops) {
         stop.stiffness *= weight;
         if (weight > 0) law.stops.push_back(stop);
@@ -259,7 +274,13 @@ void addParameters(const TestStack& problem, const std::vector<WeightedPart>& co
         const double half = e.calcHalfWidth(combination);
         fit.parameters.push_back({place + name, value, unit, value - half, value + half});
     };
-    combine("stiffness", "N/m", [](const AxisLaw& law) { return law.stiffness; });
+    // Of a curve: where it is at rest, and at both ends of the tests.
+    combine("stiffness", "N/m",
+            [](const AxisLaw& law) { return law.stiffness + ForceCurve(law.curve).calcStiffness(0); });
+    combine("stiffness at the + end", "N/m",
+            [&](const AxisLaw& law) { return ForceCurve(law.curve).calcStiffness(problem.highest); });
+    combine("stiffness at the - end", "N/m",
+            [&](const AxisLaw& law) { return ForceCurve(law.curve).calcStiffness(problem.lowest); });
     combine("damping", "N s/m", [](const AxisLaw& law) { return law.damping; });
     combine("cubic", "N/m^3", [](const AxisLaw& law) { return law.cubic; });
     combine("sliding force towards +", "N",
@@ -291,6 +312,7 @@ std::string LawTerms::name() const {
     const auto add = [&](const char* part) { text += (text.empty() ? "" : ", ") + std::string(part); };
     if (relaxation) add("Prony series");
     if (cubic) add("cubic term");
+    if (curve) add("force curve");
     return text.empty() ? "spring and dashpot" : text;
 }
 
@@ -310,6 +332,7 @@ LawFit fitLaw(const std::vector<ComponentData>& tests, const LawTerms& terms, co
     Weights weights = solveWeights(problem, columns);
     columns = keepActive(problem, std::move(columns), shaped, weights);
     for (std::size_t j = 1; j < columns.size(); ++j) addPart(columns[j].unit, weights.value[j], fit.law);
+    moveSlopeToStiffness(fit.law);
     fit.force_offset = weights.value[0];
     fit.fraction = problem.spread > 0 ? std::sqrt(weights.cost) / problem.spread : 0;
 

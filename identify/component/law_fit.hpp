@@ -1,12 +1,12 @@
 /// @file
-/// A law with memory fitted to component tests: spring, dashpot, cubic term, stops, and of what a model's law may have
-/// (models/axis_law.hpp) sliders, hysteresis and Maxwell branches.
+/// A law fitted to component tests: spring, dashpot, cubic term or force curve, stops, and of what a model's law may
+/// have (models/axis_law.hpp) sliders, hysteresis and Maxwell branches.
 ///
 /// What a unit of each part does along the recorded motion is a column, calculated by the law itself, so that a model
 /// with the fitted law gives exactly this force along the same motion. All weights but those of the cubic term and of a
 /// constant force are non-negative (block_regression.hpp): sliders over a grid of stretches are a distribution (Iwan
-/// 1966), branches over a grid of time constants a relaxation spectrum. One slider with a gap and one hysteresis have
-/// shapes that are searched instead.
+/// 1966), branches over a grid of time constants a relaxation spectrum, monotone splines a force curve in place of the
+/// spring (curve_basis.hpp). One slider with a gap and one hysteresis have shapes that are searched instead.
 #pragma once
 
 #include <string>
@@ -23,6 +23,7 @@ struct LawTerms {
     enum class Memory { none, hysteresis, sliders, gap_slider, gap_sliders };
     Memory memory = Memory::none;
     bool cubic = false, relaxation = false;
+    bool curve = false;  ///< a force curve that never falls, in place of the spring
 
     /// `spring and dashpot`, `sliders`, `slider with gap, Prony series` …
     std::string name() const;

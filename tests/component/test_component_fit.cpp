@@ -7,6 +7,8 @@
 #include "identify/component/component_fit.hpp"
 #include "models/axis_law.hpp"
 #include "models/common/error.hpp"
+#include "models/law_equality.hpp"
+#include "models/sampled_motion.hpp"
 #include "tests/component/synthetic_test.hpp"
 #include "tests/seed.hpp"
 
@@ -140,6 +142,31 @@ TEST_CASE("The fitted model has nothing twice: its force is the measured one") {
     CHECK(std::count_if(fit.notes.begin(), fit.notes.end(), [](const std::string& note) {
               return note.find("the model's offset, loss_factor, relaxation, hysteresis, stops.dissipation") == 0;
           }) == 1);
+}
+
+TEST_CASE("A model's curve, branches and sliders are taken as they are, and what acts beside them is fitted") {
+    const auto seed = test::drawSeed();
+    CAPTURE(seed);
+    AxisLaw law;
+    law.curve = {{-3e-3, -200, {}}, {0, 0, {}}, {1e-3, 15, {}}, {3e-3, 20, {}}};
+    law.sliders = {{30, 2e-4, 0, {}, {}}};
+    SyntheticTest test;
+    test.noise = 0.5;
+    Recording recording = makeSyntheticTest([](double q, double v) { return 9e4 * q + 300 * v; }, test, seed);
+    const ComponentData linear = extractComponent(recording, {});
+    const Eigen::VectorXd known = calcForceAlong(law, linear.time, linear.q, linear.velocity);
+    for (Channel& channel : recording.channels)
+        if (channel.name == "force.1.z")
+            for (std::size_t k = 0; k < channel.values.size(); ++k)
+                channel.values[k] += known[static_cast<Eigen::Index>(k)];
+    law.stiffness = 5e4;
+    law.damping = 100;
+    const ComponentFit fit = fitComponent({recording}, makeModel(law), {});
+    CHECK(findValue(fit, "1.z.stiffness") == Approx(9e4).epsilon(0.01));
+    CHECK(findValue(fit, "1.z.damping") == Approx(300).epsilon(0.05));
+    CHECK(std::abs(findValue(fit, "1.z.force_offset")) < 0.5);
+    CHECK(fit.fitted.connections[0].axis[2].curve == law.curve);
+    CHECK(fit.residual_rms == Approx(0.5).epsilon(0.2));
 }
 
 TEST_CASE("A stop that is never reached is said to be unknown, and the model keeps its value") {

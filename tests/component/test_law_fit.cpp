@@ -4,6 +4,7 @@
 #include <random>
 
 #include "identify/component/component_diagnosis.hpp"
+#include "identify/component/curve_basis.hpp"
 #include "models/common/non_negative.hpp"
 #include "models/common/units.hpp"
 #include "models/sampled_motion.hpp"
@@ -63,6 +64,35 @@ TEST_CASE("non-negative least squares meets the conditions of its optimum") {
     }
 }
 
+TEST_CASE("monotone curves rise over their own cells, pass through rest and add up to a spring") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937 generator(seed);
+    std::uniform_real_distribution<double> place(-3e-3, 2e-3), length(5e-4, 5e-3);
+    for (int trial = 0; trial < 20; ++trial) {
+        const double lower = place(generator), upper = lower + length(generator);
+        const auto basis = makeMonotoneCurves(lower, upper, 9);
+        std::vector<CurveRow> sum;
+        for (const std::vector<CurveRow>& rows : basis) {
+            REQUIRE_FALSE(findProblem(rows));
+            const ForceCurve curve(rows);
+            CHECK(curve.calcForce(0) == 0);
+            double before = curve.calcForce(lower);
+            for (double q = lower; q < upper; q += 1e-6) {
+                const double force = curve.calcForce(q);
+                REQUIRE(force >= before - 1e-15);
+                before = force;
+            }
+            addCurve(rows, 1, sum);
+        }
+        const ForceCurve spring(sum);
+        for (double q = lower; q < upper; q += 0.07e-3) {
+            CHECK(spring.calcForce(q) == Approx(q).margin(1e-12));
+            CHECK(spring.calcStiffness(q) == Approx(1));
+        }
+    }
+}
+
 TEST_CASE("a slider with gap comes back from a component test, with its law as a model holds it") {
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
@@ -96,6 +126,14 @@ TEST_CASE("the law that a component test shows is chosen, and described on anoth
     AxisLaw plain;
     plain.stiffness = 2e4;
     plain.damping = 30;
+    // A buffer, soft about rest and towards +: drawn, so that no power of the displacement is it.
+    std::uniform_real_distribution<double> share(0.7, 1.3);
+    AxisLaw drawn;
+    drawn.damping = 30;
+    drawn.curve = {{-3e-3, -150 * share(generator), {}}, {-1.5e-3, -45 * share(generator), {}},
+                   {-5e-4, -4 * share(generator), {}},   {0, 0, {}},
+                   {5e-4, 3 * share(generator), {}},     {1.5e-3, 20 * share(generator), {}},
+                   {3e-3, 32 * share(generator), {}}};
     const auto choose = [&](const AxisLaw& law) {
         const ComponentData fitted = makeTest(law, 0.1, generator), judge = makeTest(law, 0.1, generator);
         const LawSelection selection = selectLaw({fitted}, {});
@@ -103,8 +141,12 @@ TEST_CASE("the law that a component test shows is chosen, and described on anoth
         return selection.law().terms;
     };
     CHECK(choose(relaxing).relaxation);
+    const LawTerms buffer = choose(drawn);
+    CHECK(buffer.curve);
+    CHECK(buffer.memory == LawTerms::Memory::none);
     CHECK(choose(sliding).memory != LawTerms::Memory::none);
     const LawTerms none = choose(plain);
     CHECK(none.memory == LawTerms::Memory::none);
     CHECK_FALSE(none.relaxation);
+    CHECK_FALSE(none.curve);
 }
