@@ -30,6 +30,7 @@ public:
         addNumber("structural_damping", "loss_factor", true);
         addShaped("friction", "friction_force", "transition_velocity",
                   [&](ConnectionAxis axis) { return list_.at(rowOf(axis, "transition_velocity")).believed; });
+        addNumber("asymmetric_stiffness", "quadratic", false);
         addNumber("cubic_stiffness", "cubic", false);
         addNumber("stiffness_drift", "drift", true);
         for (const double corner : {0.5 * scales_.lowest, std::sqrt(scales_.lowest * scales_.highest), scales_.highest})

@@ -189,7 +189,8 @@ std::string findSeparatingRun(const std::string& named, const std::string& rival
     if (involves("stiffness_drift")) return "a downward sweep of the same level";
     if (involves("relaxation") || involves("structural_damping"))
         return "a dwell at two frequencies an octave apart, same level";
-    if (involves("friction") || involves("hysteresis") || involves("cubic_stiffness"))
+    if (involves("friction") || involves("hysteresis") || involves("cubic_stiffness") ||
+        involves("asymmetric_stiffness"))
         return "the same sweep at a quarter of the level";
     if (involves("clearance") || involves("stop_stiffness") || involves("stop_dissipation"))
         return "a higher level, which presses the stop further";

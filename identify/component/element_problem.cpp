@@ -31,6 +31,7 @@ public:
         addNumber("viscous_damping", "damping");
         addNumber("structural_damping", "loss_factor");
         addFriction();
+        addNumber("asymmetric_stiffness", "quadratic");
         addNumber("cubic_stiffness", "cubic");
         addNumber("stiffness_drift", "drift");
         addRelaxation();

@@ -98,6 +98,7 @@ private:
         const double dashpot = std::max(law.damping, 0.1 * force / v);
         addNumber(i, a, "damping", &AxisLaw::damping, "N s/m", tolerance(ToleranceOf::damping, own) * law.damping,
                   2 * dashpot, 0);
+        addNumber(i, a, "quadratic", &AxisLaw::quadratic, "N/m^2", 0, kReach * k / q);
         addNumber(i, a, "cubic", &AxisLaw::cubic, "N/m^3", 0, kReach * k / (q * q));
         addNumber(i, a, "loss_factor", &AxisLaw::loss_factor, "-", 0, 0.2, 0);
         addNumber(i, a, "drift", &AxisLaw::drift, "1/s", 0, kReach / scales_.duration);

@@ -131,6 +131,7 @@ void hide(const std::string& cause, HiddenCase& drawn, std::mt19937& generator) 
     if (cause == "viscous_damping") law.damping = believed.damping * (2.5 + 2 * uniform(generator));
     if (cause == "structural_damping") law.loss_factor = 0.1 + 0.1 * uniform(generator);
     if (cause == "friction") law.friction = Friction{(0.08 + 0.1 * uniform(generator)) * k * q, 1e-3, {}};
+    if (cause == "asymmetric_stiffness") law.quadratic = sign * (0.2 + 0.3 * uniform(generator)) * k / q;
     if (cause == "cubic_stiffness") law.cubic = (0.15 + 0.3 * uniform(generator)) * k / (q * q);
     if (cause == "relaxation")
         law.relaxation = Relaxation{0.2 + 0.2 * uniform(generator), 0.01 + 0.03 * uniform(generator)};
@@ -187,6 +188,7 @@ const std::vector<std::pair<std::string, bool>>& listCases() {
                                                                  {"viscous_damping", false},
                                                                  {"structural_damping", false},
                                                                  {"friction", false},
+                                                                 {"asymmetric_stiffness", false},
                                                                  {"cubic_stiffness", false},
                                                                  {"relaxation", false},
                                                                  {"hysteresis", false},

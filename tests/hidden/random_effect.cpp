@@ -111,6 +111,14 @@ private:
             } else if (cause == "cubic_stiffness") {
                 const double range = base_.connections[0].axis[2].stops[0].clearance;
                 set(axis + ".cubic", sign * between(one, 0.1, 0.7) * now(axis + ".stiffness") / (range * range));
+            } else if (cause == "asymmetric_stiffness") {
+                const double range = base_.connections[0].axis[2].stops[0].clearance;
+                set(axis + ".quadratic", sign * between(one, 0.1, 0.6) * now(axis + ".stiffness") / range);
+            } else if (cause == "hysteresis") {
+                // Slides within the travel: a force of up to a third of the elastomer's.
+                const double range = base_.connections[0].axis[2].stops[0].clearance;
+                set(axis + ".hysteresis_force", between(one, 0.03, 0.3) * now(axis + ".stiffness") * range);
+                set(axis + ".yield_displacement", between(other, 0.05, 0.5) * range);
             } else if (cause == "relaxation") {
                 set(axis + ".stiffness_ratio", between(one, 0.1, 0.7));
                 set(axis + ".time_constant", between(other, 2e-3, 0.03));
@@ -266,6 +274,8 @@ const std::vector<std::string>& listCauses() {
                                                  "structural_damping",
                                                  "friction",
                                                  "stop_dissipation",
+                                                 "hysteresis",
+                                                 "asymmetric_stiffness",
                                                  "cubic_stiffness",
                                                  "relaxation",
                                                  "stiffness_drift",

@@ -87,8 +87,8 @@ TEST_CASE("A slowed device does the same in a longer time") {
     const double factor = drawLog(random, 0.1, 10);
     CAPTURE(factor);
     MountModel base = drawDevice(random), model = base;
-    for (const char* cause :
-         {"friction", "relaxation", "cubic_stiffness", "stop_dissipation", "gyroscopic", "preload", "stiffness_drift"})
+    for (const char* cause : {"friction", "relaxation", "cubic_stiffness", "hysteresis", "stop_dissipation",
+                              "gyroscopic", "preload", "stiffness_drift"})
         drawEffect(cause, base, model, random);
     for (auto& connection : model.connections)
         for (auto& law : connection.axis) law.cubic = std::abs(law.cubic);

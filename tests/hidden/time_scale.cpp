@@ -4,12 +4,13 @@ namespace wems::hidden {
 
 MountModel slowDown(const MountModel& model, double factor) {
     MountModel slow = model;
-    const double force = 1 / (factor * factor);  // N, N/m, N/m³
+    const double force = 1 / (factor * factor);  // N, N/m, N/m², N/m³
     slow.gravity *= force;
     slow.body.spin /= factor;
     for (auto& connection : slow.connections)
         for (auto& law : connection.axis) {
             law.stiffness *= force;
+            law.quadratic *= force;
             law.cubic *= force;
             law.damping /= factor;
             law.drift /= factor;

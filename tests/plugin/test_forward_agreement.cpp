@@ -26,8 +26,8 @@ constexpr double kLoadInterval = 1e-4;  // s: interpolating the load must not be
 /// A random device with every extended law somewhere; a different one with each draw.
 MountModel drawExtendedDevice(hidden::Random& random) {
     MountModel base = hidden::drawDevice(random), model = base;
-    for (const char* cause : {"friction", "relaxation", "cubic_stiffness", "stop_dissipation", "gyroscopic", "preload",
-                              "stiffness_drift", "structural_damping"})
+    for (const char* cause : {"friction", "relaxation", "cubic_stiffness", "hysteresis", "stop_dissipation",
+                              "gyroscopic", "preload", "stiffness_drift", "structural_damping"})
         hidden::drawEffect(cause, base, model, random);
     // A softening axis without stops could run away.
     for (auto& connection : model.connections)

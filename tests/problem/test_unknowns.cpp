@@ -147,6 +147,8 @@ TEST_CASE("Catalogue: every cause of the contract has its places, and each cause
                               "structural_damping",
                               "friction",
                               "stop_dissipation",
+                              "hysteresis",
+                              "asymmetric_stiffness",
                               "cubic_stiffness",
                               "relaxation",
                               "stiffness_drift",
