@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "models/bryant.hpp"
@@ -74,6 +75,14 @@ Matrix6 calcTransport(const Eigen::Vector3d& arm) {
 
 GuidedMotion::GuidedMotion(const MobileBody& body) : body_(body) {
     for (int i = 0; i < 6; ++i) (body.free[i] ? free_ : held_).push_back(i);
+}
+
+bool GuidedMotion::moves(const Eigen::Vector3d& position, int axis) const {
+    return std::any_of(free_.begin(), free_.end(), [&](int motion) {
+        if (motion < 3) return motion == axis;
+        const int about = motion - 3;
+        return about != axis && position[3 - about - axis] != 0;
+    });
 }
 
 Eigen::MatrixXd GuidedMotion::freeColumns(const Eigen::MatrixXd& matrix) const {

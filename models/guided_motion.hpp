@@ -53,6 +53,9 @@ public:
     /// Indices into s.
     const std::vector<int>& free() const { return free_; }
     const std::vector<int>& held() const { return held_; }
+    /// Whether the relative displacement of a connection along an axis of F, at that position in M, can be other than
+    /// zero.
+    bool moves(const Eigen::Vector3d& position, int axis) const;
     /// The free columns of a matrix with six.
     Eigen::MatrixXd freeColumns(const Eigen::MatrixXd& matrix) const;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "models/common/format_number.hpp"
+#include "models/guided_motion.hpp"
 
 namespace wems::identify::updating {
 
@@ -59,10 +60,12 @@ int HypothesisList::addProbe(const Probe& probe) {
 }
 
 std::vector<ConnectionAxis> HypothesisList::axes() const {
-    std::vector<ConnectionAxis> all;
+    const GuidedMotion guide(model_.body);
+    std::vector<ConnectionAxis> free;
     for (int i = 0; i < static_cast<int>(model_.connections.size()); ++i)
-        for (int a = 0; a < 3; ++a) all.emplace_back(i, a);
-    return all;
+        for (int a = 0; a < 3; ++a)
+            if (guide.moves(model_.connections[i].position, a)) free.emplace_back(i, a);
+    return free;
 }
 
 std::vector<std::vector<ConnectionAxis>> HypothesisList::axisGroups() const {
@@ -74,7 +77,7 @@ std::vector<std::vector<ConnectionAxis>> HypothesisList::axisGroups() const {
         std::vector<ConnectionAxis> group;
         for (const ConnectionAxis& axis : axes())
             if (filter(axis.second)) group.push_back(axis);
-        if (std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
+        if (!group.empty() && std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
     }
     return groups;
 }

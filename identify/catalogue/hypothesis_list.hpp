@@ -39,7 +39,7 @@ public:
     /// @return the probe's column
     int addProbe(const Probe& probe);
 
-    /// Every axis of every connection.
+    /// Every axis of every connection along which guides leave it free.
     std::vector<ConnectionAxis> axes() const;
     /// The axial, each lateral, both lateral and all axes together, as far as these differ.
     std::vector<std::vector<ConnectionAxis>> axisGroups() const;

@@ -71,6 +71,11 @@ double NoiseDensity::medianBetween(double from, double to) const {
     return *middle;
 }
 
+void NoiseDensity::levelBelow(double frequency) {
+    const auto first = std::min(static_cast<std::size_t>(std::ceil(frequency / resolution_)), variance_.size() - 1);
+    std::fill_n(variance_.begin(), first, variance_[first]);
+}
+
 void NoiseDensity::scale(double factor) {
     for (double& variance : variance_) variance *= factor;
 }

@@ -27,6 +27,8 @@ public:
     double at(double frequency) const;
     /// Of the bands between two frequencies; that at `to` if there is none.
     double medianBetween(double from, double to) const;
+    /// Gives all bands below a frequency what the first one from there on has.
+    void levelBelow(double frequency);
     /// All of it by a factor.
     void scale(double factor);
     /// Variance of a sample: the mean over all frequencies.

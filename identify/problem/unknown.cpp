@@ -6,6 +6,7 @@
 
 #include "models/common/format_number.hpp"
 #include "models/common/units.hpp"
+#include "models/guided_motion.hpp"
 #include "models/parameter_access.hpp"
 #include "models/parameter_name.hpp"
 #include "models/tolerances.hpp"
@@ -192,10 +193,12 @@ private:
                 largest_stiffness_ = std::max(largest_stiffness_, law.stiffness);
                 for (const auto& stop : law.stops) largest_stop_ = std::max(largest_stop_, stop.stiffness);
             }
+        const GuidedMotion guide(model_.body);
         for (int i = 0; i < static_cast<int>(model_.connections.size()); ++i) {
             const std::size_t c = i;
             const Connection& connection = model_.connections[c];
-            for (int a = 0; a < 3; ++a) addAxis(i, a);
+            for (int a = 0; a < 3; ++a)
+                if (guide.moves(connection.position, a)) addAxis(i, a);
             const double known = tolerance(ToleranceOf::position, connection.tolerances);
             for (int a = 0; a < 3; ++a)
                 add(

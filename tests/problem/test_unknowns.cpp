@@ -69,6 +69,28 @@ TEST_CASE("SensorLayout: a group for each part and quantity, three channels to a
     CHECK(device.layout.hasAccelerations(Part::fixed));
 }
 
+TEST_CASE("What guides hold is no unknown and has no cause") {
+    Device device;
+    device.model.body.free = {false, false, true, false, true, false};
+    device.model.connections[0].position = {0.1, 0, 0};
+    device.model.connections[1].position = {0.1, 0, 0.05};
+    device.table =
+        makeUnknownTable({device.model, SensorErrors(device.layout)}, device.layout, device.scales, {true, true, true});
+    // Turning about y moves x at a height and z at a distance.
+    const auto known = [&](const std::string& name) { return findUnknown(device.table, name) >= 0; };
+    CHECK(known("1.z.stiffness"));
+    CHECK_FALSE(known("1.x.stiffness"));
+    CHECK_FALSE(known("1.y.stiffness"));
+    CHECK(known("2.x.stiffness"));
+    CHECK_FALSE(known("2.y.stiffness"));
+    for (const Hypothesis& hypothesis : device.catalogue().hypotheses)
+        for (const std::string& place : hypothesis.where) {
+            CAPTURE(hypothesis.cause, place);
+            CHECK(place.rfind("1.x", 0) != 0);
+            CHECK(place.find(".y") != 1);
+        }
+}
+
 TEST_CASE("Unknowns: setting one number changes that one and no other") {
     const Device device;
     std::set<std::string> names;
