@@ -17,7 +17,7 @@ constexpr double kBalanced = 1.2;       // of the corner: splines hold 4 % of wh
 constexpr double kLeastTangent = 0.05;  // of the linear stiffness: what a softening law may leave of it
 constexpr int kBalanceIterations = 8;
 constexpr int kHalvings = 4;
-constexpr double kSettledMotion = 1e-8;  // m RMS, far below any noise
+constexpr double kSettled = 1e-4;  // of the relative motion, RMS: P takes off what that leaves, but for its square
 
 }  // namespace
 
@@ -44,18 +44,22 @@ SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model)
     // Of each pair of splines: the sum of w w K, and the factors of M and of `least`.
     std::vector<Matrix6> blocks(4 * splines_, Matrix6::Zero());
     std::vector<double> inertial(blocks.size(), 0.0), held(blocks.size(), 0.0);
-    for (Eigen::Index k = 0; k < samples; ++k) {
-        const auto weights = calcWeights(k);
-        const Matrix6& K = tangent_[k];
+    // The splines at the ends reach beyond the run: of one that touches it with its last samples nothing else is known.
+    const auto beyond = static_cast<Eigen::Index>(std::ceil(3 / (2 * corner_ * interval_)));
+    for (Eigen::Index k = -beyond; k < samples + beyond; ++k) {
+        const Weights weights = calcWeights(k);
+        const bool inside = k >= 0 && k < samples;
+        const double taper = inside ? taper_[k] : 0;
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j <= i; ++j) {
+                if (weights.first + j < 0 || weights.first + i >= splines_) continue;
                 const auto pair = 4 * static_cast<std::size_t>(weights.first + i) + static_cast<std::size_t>(i - j);
                 const double both = weights.value[0][i] * weights.value[0][j];
-                blocks[pair] += taper_[k] * both * K;
+                if (inside) blocks[pair] += taper * both * tangent_[k];
                 // By parts: the splines' second derivatives become products of their first.
-                inertial[pair] -= taper_[k] * weights.value[1][i] * weights.value[1][j];
+                inertial[pair] -= taper * weights.value[1][i] * weights.value[1][j];
                 // Where the taper hides all, the motion stays as it is.
-                held[pair] += (1 - taper_[k]) * both;
+                held[pair] += (1 - taper) * both;
             }
     }
     for (std::size_t pair = 0; pair < blocks.size(); ++pair) blocks[pair] += inertial[pair] * M + held[pair] * least;
@@ -80,7 +84,7 @@ double SlowBalance::highestBalanced() const {
 
 SlowBalance::Weights SlowBalance::calcWeights(Eigen::Index sample) const {
     const double rate = 2 * corner_, at = static_cast<double>(sample) * interval_ * rate;
-    Weights weights{static_cast<Eigen::Index>(at), {}};
+    Weights weights{static_cast<Eigen::Index>(std::floor(at)), {}};
     const double u = at - std::floor(at), v = 1 - u;
     const double value[3][4] = {
         {v * v * v / 6, (3 * u * u * u - 6 * u * u + 4) / 6, (3 * v * v * v - 6 * v * v + 4) / 6, u * u * u / 6},
@@ -156,12 +160,15 @@ std::unique_ptr<SlowBalance> followSlowMotion(OpenLoopRun& run, const MountModel
         moved.quiet_v += moved.v - run.v;
         return moved;
     };
-    const auto size = [](const Eigen::VectorXd& coefficients) {
-        return coefficients.norm() / std::sqrt(static_cast<double>(coefficients.size()));
-    };
     auto balance = std::make_unique<SlowBalance>(run, model);
+    // As the window sees it: where that hides all, steps only creep.
+    const auto size = [&](const Eigen::VectorXd& coefficients) {
+        const Eigen::MatrixXd motion = balance->calcMotion(coefficients, 0);
+        return std::sqrt(motion.colwise().squaredNorm().dot(run.taper) / run.taper.sum());
+    };
+    const double settled = kSettled * run.q.norm() / std::sqrt(static_cast<double>(run.q.size()));
     Eigen::VectorXd step = -balance->solve(calcMountResidual(run, model));
-    for (int iteration = 0; iteration < kBalanceIterations && size(step) > kSettledMotion; ++iteration) {
+    for (int iteration = 0; iteration < kBalanceIterations && size(step) > settled; ++iteration) {
         bool moved_closer = false;
         double share = 1;
         for (int halving = 0; halving < kHalvings && !moved_closer; ++halving, share *= 0.5) {
