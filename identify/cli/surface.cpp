@@ -2,6 +2,7 @@
 #include "identify/component/surface.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <limits>
@@ -56,9 +57,14 @@ nlohmann::json formatGrid(const SurfaceGrid& grid) {
             {"residual_fraction", grid.fraction}};
 }
 
-/// What the best of the laws that were tried leaves of the force.
+/// What the best law of the kind that is named leaves of the force. A kind that is a law of displacement and velocity
+/// does not take credit for what memory explains.
 double calcLeft(const SurfaceKind& kind, const LawSelection& laws) {
-    double best = laws.law().fraction;
+    static const std::array<std::string, 6> of_state{"linear",    "hardening", "softening",
+                                                     "clearance", "viscous",   "piecewise linear"};
+    const bool remembers = std::none_of(of_state.begin(), of_state.end(),
+                                        [&](const std::string& name) { return kind.name.rfind(name, 0) == 0; });
+    double best = remembers ? laws.law().fraction : std::numeric_limits<double>::infinity();
     for (const auto& candidate : kind.candidates) best = std::min(best, candidate.fraction);
     return best;
 }

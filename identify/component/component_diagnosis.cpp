@@ -16,13 +16,15 @@ namespace {
 
 // Samples of the fastest stroke that a law needs: a corner of its force lies within a fortieth of the stroke then.
 constexpr double kSamplesOfStroke = 40;
+// Of the whole travel: a motion that goes back by less has not turned (the surface's strokes use the same).
+constexpr double kTurn = 0.05;
 // A test that is not longer is taken whole: hundreds of laws along it take a second or two.
 constexpr Eigen::Index kWhole = 10000;
 
 /// Every n-th sample of a test that has far more than its strokes need.
 ComponentData thin(const ComponentData& test) {
     if (test.count() <= kWhole) return test;
-    const std::vector<Reversal> reversals = findReversals(test.q, 0.05);
+    const std::vector<Reversal> reversals = findReversals(test.q, kTurn);
     Eigen::Index shortest = test.count();
     for (std::size_t i = 1; i < reversals.size(); ++i)
         shortest = std::min(shortest, reversals[i].index - reversals[i - 1].index);
@@ -49,18 +51,23 @@ LawSelection selectLaw(const std::vector<ComponentData>& all, const std::vector<
     for (const ComponentData& test : all) tests.push_back(thin(test));
     const std::string place =
         tests.empty() ? std::string() : tests.front().connection + "." + "xyz"[tests.front().axis] + ".";
-    std::vector<LawTerms> families{{}, {LawTerms::Memory::none, true, false}};
-    for (const LawTerms::Memory memory : {LawTerms::Memory::hysteresis, LawTerms::Memory::gap_slider,
-                                          LawTerms::Memory::sliders, LawTerms::Memory::gap_sliders})
-        families.push_back({memory, false, false});
-    families.push_back({LawTerms::Memory::sliders, true, false});
-    for (const LawTerms::Memory memory : {LawTerms::Memory::none, LawTerms::Memory::sliders})
-        families.push_back({memory, false, false, true});
+    std::vector<LawTerms> families{
+        {}, {LawTerms::Memory::none, true, false}, {LawTerms::Memory::none, false, false, true}};
+    // A motion that goes one way shows of a slider a spring that yields, as a curve does.
+    const bool turns =
+        std::any_of(tests.begin(), tests.end(), [](const auto& test) { return !findReversals(test.q, kTurn).empty(); });
+    if (turns) {
+        for (const LawTerms::Memory memory : {LawTerms::Memory::hysteresis, LawTerms::Memory::gap_slider,
+                                              LawTerms::Memory::sliders, LawTerms::Memory::gap_sliders})
+            families.push_back({memory, false, false});
+        families.push_back({LawTerms::Memory::sliders, true, false});
+        families.push_back({LawTerms::Memory::sliders, false, false, true});
+    }
     const bool timed = std::all_of(tests.begin(), tests.end(), [](const auto& test) { return test.has_velocity; });
     if (timed) {
         families.push_back({LawTerms::Memory::none, false, true});
         families.push_back({LawTerms::Memory::none, true, true});
-        families.push_back({LawTerms::Memory::sliders, false, true});
+        if (turns) families.push_back({LawTerms::Memory::sliders, false, true});
         families.push_back({LawTerms::Memory::none, false, true, true});
     }
     LawSelection selection;

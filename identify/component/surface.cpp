@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "identify/component/block_regression.hpp"
 #include "models/common/error.hpp"
@@ -18,6 +19,7 @@ struct Trial {
     bool wide_regions = true;  ///< every region between breakpoints is at least 3 % of the range: narrower is noise
     double sign_penalty = 0;   ///< what zero in place of a sign that no mount has adds to −2 log likelihood (Wald)
     HingeFit fit;
+    Eigen::MatrixXd base;  ///< columns of the linear parts, but for hinges
     Eigen::Index stiffness_column = 1, friction_column = -1, cubic_column = -1, damping_column = -1;
 };
 
@@ -83,6 +85,7 @@ Trial tryLaw(const ComponentData& data, int hinges, bool cubic, bool friction) {
         }
     }
     addSignPenalty(trial);
+    trial.base = std::move(problem.base);
     const double low = data.q.minCoeff(), high = data.q.maxCoeff();
     double last = low;
     for (const auto& hinge : trial.fit.hinges) {
@@ -93,7 +96,7 @@ Trial tryLaw(const ComponentData& data, int hinges, bool cubic, bool friction) {
     const char* names[] = {"linear", "one breakpoint", "two breakpoints"};
     trial.summary.name = std::string(cubic ? "cubic" : names[hinges]) + (friction ? " + friction" : "");
     trial.summary.fraction = trial.fit.estimates.fraction;
-    trial.summary.parameters = static_cast<int>(problem.base.cols()) + 2 * hinges;
+    trial.summary.parameters = static_cast<int>(trial.base.cols()) + 2 * hinges;
     return trial;
 }
 
@@ -139,6 +142,28 @@ StrokeFractions compareOnStrokes(const ComponentData& data, const Eigen::VectorX
 
 ComponentParameter makeParameter(const std::string& name, const std::string& unit, double value, double half) {
     return {name, value, unit, value - half, value + half};
+}
+
+/// Standard deviation, N, of what the parts of a law make of the force.
+struct Parts {
+    double elastic, dashpot, friction;
+};
+
+Parts calcParts(const ComponentData& data, const Trial& trial) {
+    const Estimates& e = trial.fit.estimates;
+    const auto spread = [](const Eigen::VectorXd& part) {
+        return std::sqrt((part.array() - part.mean()).square().mean());
+    };
+    const auto sizeOf = [&](Eigen::Index column) {
+        return column < 0 ? 0.0 : std::abs(e.value[column]) * spread(trial.base.col(column));
+    };
+    Eigen::VectorXd elastic = e.value[trial.stiffness_column] * data.q;
+    if (trial.cubic_column >= 0) elastic += e.value[trial.cubic_column] * trial.base.col(trial.cubic_column);
+    const Eigen::Index first = e.value.size() - 2 * static_cast<Eigen::Index>(trial.fit.hinges.size());
+    for (std::size_t h = 0; h < trial.fit.hinges.size(); ++h)
+        elastic += e.value[first + static_cast<Eigen::Index>(h)] *
+                   (data.q.array() - trial.fit.hinges[h].position).max(0).matrix();
+    return {spread(elastic), sizeOf(trial.damping_column), sizeOf(trial.friction_column)};
 }
 
 void addLawParameters(const ComponentData& data, const Trial& trial, SurfaceKind& kind) {
@@ -201,7 +226,17 @@ void addLawParameters(const ComponentData& data, const Trial& trial, SurfaceKind
             kind.statement = "The stiffness falls at a breakpoint, as where a force saturates.";
         }
     }
-    if (trial.friction) kind.statement += " A force that depends on the direction of motion alone is added to it.";
+    // The name is that of what makes most of the force.
+    const Parts parts = calcParts(data, trial);
+    if (parts.friction > std::max(parts.elastic, parts.dashpot)) {
+        kind.name = "friction";
+        kind.statement = "Most of the force depends on the direction of motion alone.";
+    } else if (parts.dashpot > parts.elastic) {
+        kind.name = "viscous";
+        kind.statement = "Most of the force is proportional to the velocity.";
+    }
+    if (trial.friction && kind.name != "friction")
+        kind.statement += " A force that depends on the direction of motion alone is added to it.";
 }
 
 void addStrokeParameters(const ComponentData& data, bool gap, SurfaceKind& kind) {

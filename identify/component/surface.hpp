@@ -20,8 +20,8 @@ struct SurfaceCandidate {
 };
 
 struct SurfaceKind {
-    /// linear; hardening; softening; piecewise linear, stiffening; piecewise linear, softening; clearance; friction;
-    /// friction with gap at reversals; hysteresis
+    /// linear; hardening; softening; piecewise linear, stiffening; piecewise linear, softening; clearance; viscous;
+    /// friction; friction with gap at reversals; hysteresis
     std::string name;
     std::string statement;                       ///< one sentence that says what was seen
     std::vector<ComponentParameter> parameters;  ///< of the kind that was named
@@ -33,7 +33,8 @@ struct SurfaceKind {
     StrokeSummary strokes;
 };
 
-/// Tries the laws in order of complexity and names the simplest whose criterion is within 6 of the best.
+/// Tries the laws in order of complexity and takes the simplest whose criterion is within 6 of the best. Its name is of
+/// what makes most of the force: displacement, velocity (viscous) or direction (friction).
 /// A surface is named friction from its strokes: levels of opposite sign, flat, enclosing an area, and either followed
 /// by a law with a friction term or, better than by any law of (q, v), by the travel since the last reversal.
 /// `low_force` (N): see summariseFriction.
