@@ -6,6 +6,7 @@
 
 #include "identify/updating/settling.hpp"
 #include "identify/updating/update.hpp"
+#include "identify/verdict/free_error.hpp"
 #include "models/common/error.hpp"
 #include "models/model_tolerance.hpp"
 
@@ -56,11 +57,12 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
     if (exact.verdict != Diagnosis::Verdict::unexplained && (answers || isExactlyKnown(model))) return exact;
     auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
     if (adjusted) adjusted = checkVerdict(std::move(*adjusted), model);
-    // Where neither satisfies the equations, the prediction decides between two answers of one kind; an answer that
-    // explains stands before one that does not.
+    // Where neither satisfies the equations, the prediction decides between two answers of one kind, if one is of more
+    // use than the other; an answer that explains stands before one that does not.
     const auto explains = [](const Diagnosis& own) { return own.verdict != Diagnosis::Verdict::unexplained; };
     if (!adjusted || (!satisfiesEquations(*adjusted) && explains(exact) >= explains(*adjusted) &&
-                      exact.error_after.validation <= adjusted->error_after.validation))
+                      (explains(exact) > explains(*adjusted) ||
+                       (1 + kWorth) * exact.error_after.validation <= adjusted->error_after.validation)))
         return exact;
     return std::move(*adjusted);
 }

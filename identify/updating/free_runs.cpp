@@ -1,9 +1,11 @@
 #include "identify/updating/free_runs.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "identify/motion/parallel.hpp"
 #include "identify/updating/naming.hpp"
+#include "identify/verdict/driven_noise.hpp"
 
 namespace wems::identify::updating {
 namespace {
@@ -26,8 +28,8 @@ FreeRuns::FreeRuns(const TestProblem& problem, std::size_t first, std::size_t co
     const MountModel believed = problem.believedPoint().state.model;
     for (std::size_t r = first; r < first + count; ++r) {
         const TestRun& run = problem.runs()[r];
-        recorded_.push_back(
-            {&run.motion, calcMeasuredRelative(run.recording, run.motion, believed), problem.calcDisplacementNoise(r)});
+        recorded_.push_back({&run.motion, calcMeasuredRelative(run.recording, run.motion, believed),
+                             problem.calcDisplacementNoise(r), problem.calcDriveNoise(r)});
     }
 }
 
@@ -49,6 +51,16 @@ FreeRuns::Corrected FreeRuns::correct(const TestPoint& point, const HypothesisSe
 FreeError FreeRuns::calcError(const TestPoint& point, const HypothesisSet& set) const {
     const Corrected corrected = correct(point, set);
     return calcFreeError(corrected.runs, problem_.cleanModel(point));
+}
+
+double FreeRuns::calcNoiseFloor(const MountModel& model, unsigned seed) const {
+    double noise = 0, signal = 0;
+    for (const FreeRun& run : recorded_) {
+        const auto values = static_cast<double>(run.measured.size());
+        noise += values * (calcNoiseVariance(run, model) + calcDrivenVariance(run, model, seed));
+        signal += calcComparedSquares(run);
+    }
+    return std::sqrt(noise / signal);
 }
 
 }  // namespace wems::identify::updating

@@ -25,6 +25,8 @@ public:
     FreeError calcError(const MountModel& model) const { return calcFreeError(recorded_, model); }
     /// Of a point's model, against the runs without the faults of sensors that the set names.
     FreeError calcError(const TestPoint& point, const HypothesisSet& set) const;
+    /// The noise floor with what a model makes of the noise in what drives (driven_noise.hpp).
+    double calcNoiseFloor(const MountModel& model, unsigned seed) const;
 
     /// Runs without those faults, and the motions that they point at.
     struct Corrected {

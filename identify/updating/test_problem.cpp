@@ -267,6 +267,28 @@ std::array<double, 2> TestProblem::calcDisplacementNoise(std::size_t index) cons
     return noise;
 }
 
+DriveNoise TestProblem::calcDriveNoise(std::size_t index) const {
+    const TestRun& run = runs_[index];
+    DriveNoise noise;
+    noise.lowest = run.band.lowest;
+    noise.highest = run.band.highest;
+    const double middle = std::sqrt(noise.lowest * noise.highest);
+    noise.load = run.motion.load.cols() > 0 ? run.load_noise.at(middle) : 0;
+    const PartMotion& fixed = run.motion.fixed;
+    for (std::size_t g = 0; g < layout_.groups.size(); ++g) {
+        if (layout_.groups[g].part != Part::fixed) continue;
+        const double variance = run.noise[g].at(middle);
+        const auto ofMotion = [&](const Matrix6& covariance) {
+            return variance * covariance.topLeftCorner<3, 3>().trace() / 3;
+        };
+        const bool displacement = layout_.groups[g].derivative == Derivative::displacement;
+        if (displacement && fixed.displacement_measured) noise.displacement = ofMotion(fixed.displacement_covariance);
+        if (!displacement && fixed.acceleration_measured) noise.acceleration = ofMotion(fixed.acceleration_covariance);
+        if (!displacement && run.motion.fixed_source == FixedSource::base) noise.base = noise.acceleration = variance;
+    }
+    return noise;
+}
+
 TestProblem::ExactRun TestProblem::calcExactRun(std::size_t index, const TestPoint& point) const {
     TestRun exact = point.state.sensors.isZero() ? runs_[index] : correctRun(runs_[index], point);
     const Eigen::MatrixXd relative = calcMeasuredRelative(exact.recording, exact.motion, believed_);

@@ -11,6 +11,7 @@
 #include "identify/catalogue/hypotheses.hpp"
 #include "identify/problem/linearised_run.hpp"
 #include "identify/solve/evidence.hpp"
+#include "identify/verdict/free_error.hpp"
 
 namespace wems::identify::updating {
 
@@ -64,6 +65,8 @@ public:
     TestPoint reduce(const TestPoint& point, const HypothesisSet& set) const;
     /// m², of the displacement channels of the mobile and the fixed part of a run, over all frequencies.
     std::array<double, 2> calcDisplacementNoise(std::size_t run) const;
+    /// Of what drives a run: white noise of the density in the middle of what it is excited by.
+    DriveNoise calcDriveNoise(std::size_t run) const;
     /// The motion of a run, which may drive it, and its relative displacements (calcMeasuredRelative) as exact sensors
     /// would have shown them.
     struct ExactRun {

@@ -91,7 +91,8 @@ private:
     void simulate() {
         const FreeError own = own_.calcError(model_), judging = judging_.calcError(model_);
         result_.error_before = {own.error, judging.error};
-        result_.noise_floor = {own.noise_floor, judging.noise_floor};
+        const MountModel best = problem_.cleanModel(selection_.state.point);
+        result_.noise_floor = {own_.calcNoiseFloor(best, kSeed), judging_.calcNoiseFloor(best, kSeed)};
         result_.error_adjusted = errorOf(selection_.adjusted, {});
         result_.error_after = errorOf(selection_.state.point, selection_.state.set);
         tell("prediction band");

@@ -91,6 +91,10 @@ Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model) {
     return highPass(simulate(*run.motion, model) - run.measured, lowestCompared(*run.motion), run.motion->interval);
 }
 
+double calcComparedSquares(const FreeRun& run) {
+    return highPass(run.measured, lowestCompared(*run.motion), run.motion->interval).squaredNorm();
+}
+
 Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion& run, const MountModel& model) {
     const auto samples = static_cast<Eigen::Index>(run.time.size());
     Eigen::MatrixXd q(3 * model.connections.size(), samples);
@@ -137,7 +141,7 @@ FreeError calcFreeError(const std::vector<FreeRun>& runs, const MountModel& mode
     FreeError result;
     double difference = 0, sampled = 0, signal = 0, noise = 0;
     for (const auto& run : runs) {
-        signal += highPass(run.measured, lowestCompared(*run.motion), run.motion->interval).squaredNorm();
+        signal += calcComparedSquares(run);
         noise += calcNoiseVariance(run, model) * static_cast<double>(run.measured.size());
         try {
             const double own = calcFreeResidual(run, model).squaredNorm();

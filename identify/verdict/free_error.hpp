@@ -45,6 +45,15 @@ bool isWorthless(const FreeError& with, const FreeError& without);
 /// squares.
 bool isBelowNoise(const FreeError& with, const FreeError& without);
 
+/// Variance of one sample of what drives a run, as white noise; 0 of what is not recorded. Of the fixed part that of
+/// its motion, which several channels determine together.
+struct DriveNoise {
+    double displacement = 0, acceleration = 0;  ///< of the fixed part: m², (m/s²)²
+    double base = 0;                            ///< (m/s²)²
+    double load = 0;                            ///< N²
+    double lowest = 0, highest = 0;             ///< Hz, that the run is excited from and to
+};
+
 /// One run with what it is compared with.
 struct FreeRun {
     const RunMotion* motion;
@@ -52,9 +61,12 @@ struct FreeRun {
     /// m², of the displacement channels of the mobile and the fixed part, where their noise is known better than by the
     /// scatter of the rigid fits.
     std::optional<std::array<double, 2>> displacement_noise = {};
+    DriveNoise drive = {};
 };
 /// Simulated minus measured, as the error compares them. @throws SimulationDiverged
 Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model);
+/// Sum of squares of the measured displacements, as the error compares them, m².
+double calcComparedSquares(const FreeRun& run);
 /// What the recording's noise gives one relative displacement, m².
 double calcNoiseVariance(const FreeRun& run, const MountModel& model);
 FreeError calcFreeError(const std::vector<FreeRun>& runs, const MountModel& model);
