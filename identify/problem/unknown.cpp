@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "models/common/format_number.hpp"
 #include "models/common/units.hpp"
@@ -151,40 +152,35 @@ private:
             0);
     }
 
+    /// A number of a mechanism that the law may lack; setting it begins the mechanism.
+    template <class Mechanism>
+    void addNumberOf(int i, int a, std::optional<Mechanism> AxisLaw::*mechanism, const Mechanism& begun,
+                     double Mechanism::*member, const char* key, const char* unit, double reach, double least) {
+        addLaw(
+            i, a, key, unit, 0, reach, [=](const AxisLaw& law) { return (law.*mechanism).value_or(begun).*member; },
+            [=](AxisLaw& law, double value) {
+                if (!(law.*mechanism)) law.*mechanism = begun;
+                (*(law.*mechanism)).*member = value;
+            },
+            least);
+    }
+
     /// @param size of its force, N
     /// @param transition velocity below which it fades if the model does not say, m/s
     void addFriction(int i, int a, double size, double transition) {
-        const auto addOne = [&](const char* key, const char* unit, double Friction::*member, double absent,
-                                double reach, double least) {
-            addLaw(
-                i, a, key, unit, 0, reach,
-                [=](const AxisLaw& l) { return l.friction ? (*l.friction).*member : absent; },
-                [=](AxisLaw& l, double value) {
-                    if (!l.friction) l.friction = Friction{0, transition, {}};
-                    (*l.friction).*member = value;
-                },
-                least);
-        };
-        addOne("friction_force", "N", &Friction::force, 0, size, 0);
-        addOne("transition_velocity", "m/s", &Friction::transition_velocity, transition, transition, 1e-3 * transition);
+        const Friction begun{0, transition, {}};
+        addNumberOf(i, a, &AxisLaw::friction, begun, &Friction::force, "friction_force", "N", size, 0);
+        addNumberOf(i, a, &AxisLaw::friction, begun, &Friction::transition_velocity, "transition_velocity", "m/s",
+                    transition, 1e-3 * transition);
     }
 
     /// @param size of its force, N
     /// @param yield where it slides if the model does not say, m
     void addHysteresis(int i, int a, double size, double yield) {
-        const auto addOne = [&](const char* key, const char* unit, double Hysteresis::*member, double absent,
-                                double reach, double least) {
-            addLaw(
-                i, a, key, unit, 0, reach,
-                [=](const AxisLaw& l) { return l.hysteresis ? (*l.hysteresis).*member : absent; },
-                [=](AxisLaw& l, double value) {
-                    if (!l.hysteresis) l.hysteresis = Hysteresis{0, yield, 1, 0.5};
-                    (*l.hysteresis).*member = value;
-                },
-                least);
-        };
-        addOne("hysteresis_force", "N", &Hysteresis::force, 0, size, 0);
-        addOne("yield_displacement", "m", &Hysteresis::yield_displacement, yield, yield, 1e-3 * yield);
+        const Hysteresis begun{0, yield, 1, 0.5};
+        addNumberOf(i, a, &AxisLaw::hysteresis, begun, &Hysteresis::force, "hysteresis_force", "N", size, 0);
+        addNumberOf(i, a, &AxisLaw::hysteresis, begun, &Hysteresis::yield_displacement, "yield_displacement", "m",
+                    yield, 1e-3 * yield);
     }
 
     void addLaws() {
