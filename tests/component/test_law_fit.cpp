@@ -113,6 +113,19 @@ TEST_CASE("a slider with gap comes back from a component test, with its law as a
     CHECK(calcLawError(fit.law, fit.force_offset, data) == Approx(fit.fraction).epsilon(1e-6));
 }
 
+TEST_CASE("a motion that goes one way is fitted without sliders, which would be a curve") {
+    std::mt19937 generator(test::drawSeed());
+    AxisLaw law;
+    law.stiffness = 2e4;
+    ComponentData ramp = makeTest(law, 0.1, generator);
+    ramp.q = 1e-3 / 20 * ramp.time;
+    ramp.velocity.setConstant(1e-3 / 20);
+    ramp.force = calcForceAlong(law, ramp.time, ramp.q, ramp.velocity);
+    const LawSelection selection = selectLaw({ramp}, {});
+    CHECK(selection.tried.size() > 2);
+    for (const LawFit& fit : selection.tried) CHECK(fit.terms.memory == LawTerms::Memory::none);
+}
+
 TEST_CASE("the law that a component test shows is chosen, and described on another test") {
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);

@@ -38,6 +38,8 @@ TEST_CASE("The kind of a surface is named as it was made, over several draws") {
                    seed)
               .name == "clearance");
     CHECK(findKind([](double, double v) { return 200 * std::tanh(v / 1e-3); }, seed).name == "friction");
+    // What makes most of the force has the name.
+    CHECK(findKind([](double q, double v) { return 1e4 * q + 5e3 * v; }, seed).name == "viscous");
 }
 
 TEST_CASE("The offset of a piecewise-linear force is the force at rest, within its interval in most draws") {
