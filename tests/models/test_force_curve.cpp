@@ -40,6 +40,22 @@ TEST_CASE("A force curve between its rows is that of SciPy's PCHIP") {
     CHECK(buffer.calcForce(2.9e-3) == Approx(146.436975806));
 }
 
+TEST_CASE("Rows with slopes of a cubic are that cubic, as a law of its own") {
+    AxisLaw cubic, rows;
+    cubic.stiffness = 2e4;
+    cubic.cubic = 5e9;
+    cubic.quadratic = -3e6;
+    const AxisForce expected(cubic);
+    for (const double q : {-2e-3, -5e-4, 0.0, 1e-3, 3e-3})
+        rows.curve.push_back({q, expected.calcStaticForce(q), expected.calcStaticStiffness(q)});
+    const AxisForce curve(rows);
+    for (double q = -2e-3; q < 3e-3; q += 0.13e-3) {
+        CHECK(curve.calcForce(q, 0, 0, nullptr) == Approx(expected.calcForce(q, 0, 0, nullptr)).epsilon(1e-10));
+        CHECK(curve.calcStiffness(q, 0, 0, nullptr) == Approx(expected.calcStiffness(q, 0, 0, nullptr)).epsilon(1e-10));
+        CHECK(curve.calcPotential(q, 0, nullptr) == Approx(expected.calcPotential(q, 0, nullptr)).epsilon(1e-10));
+    }
+}
+
 TEST_CASE("A force curve rises and falls with its rows alone") {
     std::mt19937_64 random(test::drawSeed());
     std::uniform_real_distribution<double> step(1e-4, 1e-3), rise(0, 50);
