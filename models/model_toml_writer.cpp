@@ -238,10 +238,25 @@ void writePlace(const SensorPlace& place, Writer& out) {
     if (!channels.empty()) out.key("channels", "{ " + channels + " }");
 }
 
-/// True if modes were added to those of the model's modes file.
-bool holdsMore(const MountModel& model) {
-    return std::filesystem::exists(model.bracket_path) &&
-           readBracketModes(model.bracket_path).size() < model.bracket.size();
+/// What a model's modes have that those of its modes file do not.
+struct ModeChanges {
+    std::vector<int> numbers;  ///< rows, from 1, of another frequency or damping ratio
+    bool shapes = false;       ///< other shapes or more rows, which a model file has no keys for
+};
+ModeChanges findModeChanges(const MountModel& model) {
+    ModeChanges changes;
+    if (model.bracket_path.empty() || !std::filesystem::exists(model.bracket_path)) return changes;
+    const std::vector<BracketMode> rows = readBracketModes(model.bracket_path);
+    changes.shapes = rows.size() != model.bracket.size();
+    for (std::size_t j = 0; j < std::min(rows.size(), model.bracket.size()); ++j) {
+        const BracketMode &own = model.bracket[j], &row = rows[j];
+        if (own.frequency != row.frequency || own.damping_ratio != row.damping_ratio)
+            changes.numbers.push_back(static_cast<int>(j + 1));
+        if (own.translation != row.translation || own.rotation != row.rotation ||
+            own.load_translation != row.load_translation || own.base_participation != row.base_participation)
+            changes.shapes = true;
+    }
+    return changes;
 }
 
 /// Writes all modes to a file beside `file` and returns its name; never the file that the model was read from.
@@ -295,9 +310,15 @@ void writeMountModel(const MountModel& model, const std::string& file, OutputFil
         const fs::path modes = fs::weakly_canonical(fs::absolute(model.bracket_path), failed);
         if (!failed) bracket_file = modes.lexically_proximate(folder).generic_string();
     }
+    const ModeChanges changes = findModeChanges(model);
+    MountModel written = model;
+    for (const int index : changes.numbers)
+        if (std::find(written.replaced_modes.begin(), written.replaced_modes.end(), index) ==
+            written.replaced_modes.end())
+            written.replaced_modes.push_back(index);
     // The modes first: no model is left that names a file that is not there.
-    if (!model.bracket_path.empty() && holdsMore(model)) bracket_file = writeOwnModes(model, file, outputs);
-    outputs.add(file, formatMountModel(model, bracket_file));
+    if (changes.shapes) bracket_file = writeOwnModes(model, file, outputs);
+    outputs.add(file, formatMountModel(written, bracket_file));
 }
 
 void writeMountModel(const MountModel& model, const std::string& file) {

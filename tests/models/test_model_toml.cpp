@@ -230,6 +230,34 @@ TEST_CASE("a model with an added mode brings a modes file of its own") {
     CHECK(again.bracket.back().rotation == added.rotation);
 }
 
+// What a diagnosis adjusts of a mode is in no list of replaced rows.
+TEST_CASE("a model with other modes than its modes file is written with its own") {
+    const TemporaryFolder folder;
+    const fs::path data = source + "/tests/models/data";
+    MountModel model = readMountModel((data / "every_key.toml").string());
+    const std::string file = (folder.path() / "other.toml").string();
+    SECTION("frequency and damping ratio, which a model file has keys for") {
+        model.bracket[0].frequency = 33.5;
+        model.bracket[0].damping_ratio = 0.0123;
+        writeMountModel(model, file);
+        const MountModel again = readMountModel(file);
+        CHECK(again.bracket[0].frequency == 33.5);
+        CHECK(again.bracket[0].damping_ratio == 0.0123);
+        CHECK(again.bracket[1].frequency == model.bracket[1].frequency);
+        CHECK(fs::path(again.bracket_file).filename() == "every_key.csv");
+    }
+    SECTION("shapes, which it has none for") {
+        model.bracket[0].rotation.x() += 0.01;
+        model.bracket[1].load_translation.z() += 0.02;
+        writeMountModel(model, file);
+        const MountModel again = readMountModel(file);
+        CHECK(again.bracket[0].rotation == model.bracket[0].rotation);
+        CHECK(again.bracket[1].load_translation == model.bracket[1].load_translation);
+        CHECK(again.bracket[1].frequency == model.bracket[1].frequency);
+        CHECK(again.bracket_file == "other_bracket.csv");
+    }
+}
+
 TEST_CASE("a model that is no model is not written") {
     const TemporaryFolder folder;
     MountModel model = RandomValues(3).model();
