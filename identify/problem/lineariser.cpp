@@ -50,12 +50,9 @@ void Lineariser::prepareColumns() {
     for (Eigen::Index row = 0; row < axes; ++row) {
         const AxisLaw& law = model_.connections[row / 3].axis[row % 3];
         forces_.row(row) = calcAxisForce(open_, law, static_cast<int>(row / 3), static_cast<int>(row % 3)).transpose();
-        const AxisForce force(law);
-        rest_tangent_[row] = force.calcStaticStiffness(0);
-        for (Eigen::Index k = 0; k < tangent_.cols(); ++k) {
-            tangent_(row, k) = force.calcStaticStiffness(open_.q(row, k));
-            if (tangent_(row, k) != rest_tangent_[row]) touched_[row] = in_contact_ = true;
-        }
+        rest_tangent_[row] = AxisForce(law).calcStaticStiffness(0);
+        tangent_.row(row) = calcTangent(open_, law, row).transpose();
+        if ((tangent_.row(row).array() != rest_tangent_[row]).any()) touched_[row] = in_contact_ = true;
     }
     for (Eigen::Index row = 0; row < axes; ++row) {
         const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));

@@ -1,12 +1,12 @@
 #include "identify/problem/mount_equation.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "identify/problem/band_limited_force.hpp"
 #include "models/bryant.hpp"
 #include "models/law_equality.hpp"
 #include "models/mount_forces.hpp"
@@ -43,40 +43,6 @@ Eigen::Matrix<double, 6, 3> calcLoadArm(const LoadPoint& point) {
     Eigen::Matrix<double, 6, 3> arm;
     arm << Eigen::Matrix3d::Identity(), crossMatrix(point.position);
     return arm;
-}
-
-namespace {
-
-constexpr double kSaturated = 20;  // |v|/v_t from which tanh is ±1 in double precision
-
-/// ln(2 cosh x), without overflow.
-double calcLogCosh(double x) {
-    return std::abs(x) + std::log1p(std::exp(-2 * std::abs(x)));
-}
-
-/// Mean of tanh while its argument goes from one value to another at a constant rate.
-double calcMeanTanh(double from, double to) {
-    if (std::min(from, to) > kSaturated) return 1;
-    if (std::max(from, to) < -kSaturated) return -1;
-    if (std::abs(to - from) < 1e-3) return std::tanh(0.5 * (from + to));
-    return (calcLogCosh(to) - calcLogCosh(from)) / (to - from);
-}
-
-}  // namespace
-
-Eigen::VectorXd calcSlidingDirection(const Eigen::VectorXd& v, double transition_velocity) {
-    const Eigen::VectorXd x = v / transition_velocity;
-    const Eigen::Index count = x.size();
-    Eigen::VectorXd mean(count);
-    for (Eigen::Index k = 0; k < count; ++k) {
-        const double before = k > 0 ? 0.5 * (x[k - 1] + x[k]) : x[k];
-        const double after = k + 1 < count ? 0.5 * (x[k] + x[k + 1]) : x[k];
-        mean[k] = 0.5 * (calcMeanTanh(before, x[k]) + calcMeanTanh(x[k], after));
-    }
-    // A mean over an interval h takes h²/24 of the second derivative from a signal.
-    Eigen::VectorXd result = mean;
-    for (Eigen::Index k = 1; k + 1 < count; ++k) result[k] -= (mean[k - 1] - 2 * mean[k] + mean[k + 1]) / 24;
-    return result;
 }
 
 namespace {
@@ -128,9 +94,7 @@ Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int co
     const bool sliding = law.friction && !law.friction->presliding_stiffness;
     AxisLaw smooth = law;
     if (sliding) smooth.friction.reset();
-    smooth.stops.erase(
-        std::remove_if(smooth.stops.begin(), smooth.stops.end(), [](const Stop& stop) { return stop.stiffness == 0; }),
-        smooth.stops.end());
+    smooth.stops.clear();
     const AxisForce force(smooth);
     const int row = 3 * connection + axis;
     const Eigen::VectorXd q = run.q.row(row), v = run.v.row(row);
@@ -154,6 +118,7 @@ Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int co
         }
         result[k] = force.calcForce(q[k], v[k], run.time[k], z.data());
     }
+    result += calcStopForce(law, q, v, run.interval);
     if (sliding)
         result += law.friction->force * calcSlidingDirection(run.quiet_v.row(row), law.friction->transition_velocity);
     return result;

@@ -35,17 +35,8 @@ Eigen::MatrixXd calcLoadWrench(const OpenLoopRun& run, const LoadPoint& point,
 /// The same of unit loads along the axes, at rest.
 Eigen::Matrix<double, 6, 3> calcLoadArm(const LoadPoint& point);
 
-// Dry friction along a sampled motion. At a reversal F tanh(v/v_t) jumps within v_t/a, far less than a sampling
-// interval: its values at the samples would depend on where the reversal falls between them, an error in time of up to
-// half an interval, which spreads over all frequencies.
-
-/// tanh(v/v_t) at the samples as a band-limited signal: its mean over the interval around each sample, with v linear
-/// between samples, corrected to second order for what the mean takes from it.
-/// @param v velocity at samples, m/s
-/// @param transition_velocity v_t, m/s
-Eigen::VectorXd calcSlidingDirection(const Eigen::VectorXd& v, double transition_velocity);
-
-/// Law of one axis along its measured motion, N, positive with q.
+/// Law of one axis along its measured motion, N, positive with q; what bends or jumps between samples as
+/// band_limited_force.hpp has it.
 Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int connection, int axis);
 
 /// Adds the wrench that belongs to force `f` at an axis (the sign of the residual) to `wrench`.

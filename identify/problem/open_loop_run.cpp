@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "identify/motion/parallel.hpp"
+#include "identify/problem/band_limited_force.hpp"
 #include "identify/problem/fourier.hpp"
 #include "identify/problem/noise_density.hpp"
 #include "models/bryant.hpp"
@@ -256,28 +257,44 @@ std::complex<double> DynamicStiffness::at(double w) const {
 
 DynamicStiffness calcDynamicStiffness(const OpenLoopRun& run, AxisLaw law, Eigen::Index row) {
     law.friction.reset();
-    const AxisForce force(law);
-    const std::vector<double> z(static_cast<std::size_t>(force.stateCount()) + 1, 0.0);
-    constexpr int kEvery = 4;  // samples; the mean of thousands needs no more
+    const Eigen::VectorXd stop = calcStopStiffness(law, run.q.row(row), run.v.row(row), run.interval);
+    const AxisLaw whole = law;
+    law.stops.clear();
+    const AxisForce smooth(law), force(whole);
+    const std::vector<double> z(static_cast<std::size_t>(smooth.stateCount()) + 1, 0.0);
+    constexpr int kEvery = 4;  // samples; the mean of thousands needs no more where nothing jumps
     DynamicStiffness mean;
     double count = 0;
     for (int k = 0; k < run.sampleCount(); k += kEvery) {
-        mean.stiffness += force.calcStiffness(run.q(row, k), run.v(row, k), run.time[k], z.data());
-        mean.damping += force.calcDamping(run.q(row, k), run.v(row, k), run.time[k], z.data());
+        mean.stiffness += smooth.calcStiffness(run.q(row, k), run.v(row, k), run.time[k], z.data());
+        mean.damping += smooth.calcDamping(run.q(row, k), run.v(row, k), run.time[k], z.data());
         ++count;
     }
-    mean.stiffness /= count;
+    mean.stiffness = mean.stiffness / count + stop.mean();
     mean.damping /= count;
-    mean.branches = force.branches();
+    double by_stops = 0;
+    for (int k = 0; k < run.sampleCount(); ++k)
+        if (stop[k] != 0)
+            by_stops += force.calcDamping(run.q(row, k), run.v(row, k), run.time[k], z.data()) -
+                        smooth.calcDamping(run.q(row, k), run.v(row, k), run.time[k], z.data());
+    mean.damping += by_stops / run.sampleCount();
+    mean.branches = smooth.branches();
     return mean;
 }
 
+Eigen::VectorXd calcTangent(const OpenLoopRun& run, const AxisLaw& law, Eigen::Index row) {
+    Eigen::VectorXd stiffness = calcStopStiffness(law, run.q.row(row), run.v.row(row), run.interval);
+    AxisLaw smooth = law;
+    smooth.stops.clear();
+    const AxisForce force(smooth);
+    for (Eigen::Index k = 0; k < stiffness.size(); ++k) stiffness[k] += force.calcStaticStiffness(run.q(row, k));
+    return stiffness;
+}
+
 Eigen::RowVectorXd calcStiffnessFluctuation(const OpenLoopRun& run, const AxisLaw& law, Eigen::Index row) {
-    const AxisForce force(law);
-    Eigen::RowVectorXd stiffness(run.sampleCount());
-    for (Eigen::Index k = 0; k < stiffness.size(); ++k) stiffness[k] = force.calcStaticStiffness(run.q(row, k));
+    const Eigen::VectorXd stiffness = calcTangent(run, law, row);
     if ((stiffness.array() == stiffness[0]).all()) return Eigen::RowVectorXd::Zero(stiffness.size());
-    return stiffness.array() - stiffness.mean();
+    return (stiffness.array() - stiffness.mean()).matrix().transpose();
 }
 
 }  // namespace wems::identify

@@ -104,7 +104,9 @@ struct DynamicStiffness {
 /// @param row of the axis in q and v: 3 connection + axis
 DynamicStiffness calcDynamicStiffness(const OpenLoopRun& run, AxisLaw law, Eigen::Index row);
 
-/// Static stiffness along the run beyond its mean, N/m: zero where no stop touches and the law is linear.
+/// Static stiffness along the run, N/m, that of the stops as band_limited_force.hpp has it.
+Eigen::VectorXd calcTangent(const OpenLoopRun& run, const AxisLaw& law, Eigen::Index row);
+/// The same beyond its mean, N/m: zero where no stop touches and the law is linear.
 Eigen::RowVectorXd calcStiffnessFluctuation(const OpenLoopRun& run, const AxisLaw& law, Eigen::Index row);
 
 }  // namespace wems::identify

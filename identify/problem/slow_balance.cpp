@@ -36,11 +36,11 @@ SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model)
     tangent_.assign(samples, Matrix6::Zero());
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
-            const AxisForce force(model.connections[i].axis[a]);
             const auto d = calcAxisDirection(model, static_cast<int>(i), a);
             const Matrix6 along = d * d.transpose();
             const Eigen::Index row = 3 * static_cast<Eigen::Index>(i) + a;
-            for (Eigen::Index k = 0; k < samples; ++k) tangent_[k] += force.calcStaticStiffness(run.q(row, k)) * along;
+            const Eigen::VectorXd tangent = calcTangent(run, model.connections[i].axis[a], row);
+            for (Eigen::Index k = 0; k < samples; ++k) tangent_[k] += tangent[k] * along;
         }
     for (Matrix6& own : tangent_) holdMotions(own, freedom_, stiffest);
     // Of each pair of splines: the sum of w w K, and the factors of M and of `least`.

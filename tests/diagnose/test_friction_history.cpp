@@ -3,7 +3,7 @@
 #include <complex>
 #include <random>
 
-#include "identify/problem/mount_equation.hpp"
+#include "identify/problem/band_limited_force.hpp"
 #include "identify/problem/noise_density.hpp"
 #include "models/common/units.hpp"
 #include "tests/seed.hpp"
