@@ -4,14 +4,6 @@
 #include <vector>
 
 namespace wems::identify {
-namespace {
-
-// The noise's level in a band: what its estimate by quartiles, the smoothing of its spectrum and the anti-alias filter
-// leave open. The misfits of exact models (0.8 to 1.1) lie within one and a half of it.
-constexpr double kLevelDeviation = 0.3;
-
-}  // namespace
-
 void BlockInformation::add(const BlockInformation& other) {
     if (other.empty()) return;
     if (empty()) {

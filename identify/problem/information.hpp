@@ -21,6 +21,10 @@ constexpr std::size_t indexOf(Block block) {
     return static_cast<std::size_t>(block);
 }
 
+/// Standard deviation of the noise's level in a band: what its estimate by quartiles, the smoothing of its spectrum and
+/// the anti-alias filter leave open. The misfits of exact models (0.8 to 1.1) lie within one and a half of it.
+inline constexpr double kLevelDeviation = 0.3;
+
 struct BlockInformation {
     Eigen::MatrixXd A;
     Eigen::VectorXd b;             ///< JᵀR⁻¹r

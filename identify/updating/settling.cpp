@@ -104,8 +104,13 @@ std::vector<double> calcScatter(const Information& all) {
 
 bool isNoiseAlone(const Information& all, const std::vector<double>& misfits) {
     const std::vector<double> scatter = calcScatter(all);
-    for (std::size_t k = 0; k < kBlocks; ++k)
-        if (misfits[k] - 1 > kBeyondNoise * scatter[k]) return false;
+    for (std::size_t k = 0; k < kBlocks; ++k) {
+        // Of many values the mean scatters little: what is not known of it is the noise's level, in each band by
+        // itself.
+        const auto bands = static_cast<double>(all[k].noise_slopes.cols());
+        const double level = bands > 0 ? kLevelDeviation / std::sqrt(bands) : 0;
+        if (misfits[k] - 1 > kBeyondNoise * std::hypot(scatter[k], level)) return false;
+    }
     return true;
 }
 

@@ -59,6 +59,20 @@ TEST_CASE("Naming: noise alone, of every block") {
     CHECK_FALSE(is(1, 1.1));
 }
 
+TEST_CASE("Naming: noise alone, as far as its level is known") {
+    const auto is = [](double misfit, Eigen::Index bands) {
+        BlockInformation block = makeBlock(misfit, misfit);
+        block.noise_slopes = Eigen::MatrixXd::Zero(1, bands);
+        const Information all = pair(block, makeBlock(1, 1));
+        return updating::isNoiseAlone(all, updating::calcMisfits(all, kWith));
+    };
+    // 1.96 √(2/1000 + 0.3²/bands) beyond 1: 0.31 of four bands, 0.17 of sixteen.
+    CHECK(is(1.28, 4));
+    CHECK_FALSE(is(1.34, 4));
+    CHECK(is(1.15, 16));
+    CHECK_FALSE(is(1.2, 16));
+}
+
 TEST_CASE("Naming: a cause's part of the error is less than a twentieth, or less than the noise") {
     CHECK(isWorthless({0.1, 0}, {0.104, 0}));
     CHECK_FALSE(isWorthless({0.1, 0}, {0.106, 0}));
