@@ -1,0 +1,155 @@
+// How many of the 95 % intervals of a fit hold the truth, under what measurements are like. Campaigns: hidden.
+#include <array>
+#include <catch2/catch.hpp>
+#include <functional>
+#include <map>
+#include <random>
+#include <string>
+
+#include "identify/fit/fit.hpp"
+#include "models/parameter_access.hpp"
+#include "models/recording/recording.hpp"
+#include "tests/fit/synthetic_run.hpp"
+#include "tests/hidden/sensor_errors.hpp"
+#include "tests/seed.hpp"
+
+namespace wems::identify {
+namespace {
+
+constexpr test::SensorNoise kSensors{1e-6, 0.01};
+constexpr double kRate = 1000;  // Hz
+constexpr int kRepetitions = 60;
+
+using Random = std::mt19937_64;
+
+/// One way to measure the shipped device, pressed against its stops by 500 N axial.
+struct Condition {
+    std::string name;
+    double rate = kRate;
+    double octaves_per_minute = 16;
+    test::SensorNoise noise = kSensors;
+    std::function<void(Recording&, const test::SyntheticRun&, Random&)> alter = nullptr;
+};
+
+double sizeOf(const Channel& channel) {
+    return channel.unit == "m" ? kSensors.displacement : channel.unit == "N" ? 0.0 : kSensors.acceleration;
+}
+
+void filterAll(Recording& recording, const test::SyntheticRun&, Random&) {
+    const hidden::AntiAliasFilter filter(150 / kRate);
+    for (Channel& channel : recording.channels) {
+        Eigen::Map<Eigen::VectorXd> values(channel.values.data(), static_cast<Eigen::Index>(channel.values.size()));
+        filter.apply(values);
+    }
+}
+
+void addSlowNoise(Recording& recording, const test::SyntheticRun&, Random& random) {
+    hidden::SensorErrors errors;
+    errors.pink = 1;
+    hidden::Random own(random());
+    for (Channel& channel : recording.channels) {
+        const auto count = static_cast<Eigen::Index>(channel.values.size());
+        Eigen::Map<Eigen::VectorXd> values(channel.values.data(), count);
+        values += sizeOf(channel) * hidden::drawNoise(errors, 1, 1.0, kRate, count, own);
+    }
+}
+
+void scaleEach(Recording& recording, const test::SyntheticRun&, Random& random) {
+    std::uniform_real_distribution<double> draw(-0.01, 0.01);
+    for (Channel& channel : recording.channels) {
+        if (channel.unit == "N") continue;
+        const double gain = 1 + draw(random);
+        for (double& value : channel.values) value *= gain;
+    }
+}
+
+/// What every sensor reads 1 mm beside its place, in a direction of its own.
+void displaceEach(Recording& recording, const test::SyntheticRun& run, Random& random) {
+    std::normal_distribution<double> normal;
+    std::map<std::string, Eigen::Vector3d> places;
+    for (Channel& channel : recording.channels) {
+        const auto name = parseChannelName(channel.name);
+        if (!name || channel.unit == "N") continue;
+        const bool mobile = name->part == Part::mobile;
+        const std::string triax = channel.name.substr(0, channel.name.rfind('.')) + channel.unit;
+        if (places.count(triax) == 0)
+            places[triax] = 1e-3 * Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+        const Eigen::Vector3d at = run.model.connections[run.model.connectionIndex(name->connection)].position;
+        const Eigen::Vector3d moved = at + places[triax];
+        for (std::size_t k = 0; k < channel.values.size(); ++k) {
+            const auto s = static_cast<Eigen::Index>(k);
+            channel.values[k] +=
+                channel.unit == "m"
+                    ? (run.calcDisplacement(mobile, s, moved) - run.calcDisplacement(mobile, s, at))[name->axis]
+                    : (run.calcAcceleration(mobile, s, moved) - run.calcAcceleration(mobile, s, at))[name->axis];
+        }
+    }
+}
+
+void jitterStamps(Recording& recording, const test::SyntheticRun&, Random& random) {
+    std::normal_distribution<double> normal;
+    for (double& stamp : recording.time) stamp += 0.05 / kRate * normal(random);
+}
+
+std::vector<Condition> listConditions() {
+    const test::SensorNoise white_free{0, 0};
+    return {{"all channels"},
+            {"displacements alone, 500 Hz", 500, 16, {1e-6, -1}},
+            {"displacements alone", kRate, 16, {1e-6, -1}},
+            {"accelerations alone", kRate, 16, {-1, 0.01}},
+            {"low-passed at 150 Hz", kRate, 16, kSensors, filterAll},
+            {"displacements alone, low-passed at 150 Hz", kRate, 16, {1e-6, -1}, filterAll},
+            {"1/f noise", kRate, 16, white_free, addSlowNoise},
+            {"gains off by up to 1 %", kRate, 16, kSensors, scaleEach},
+            {"sensors 1 mm off", kRate, 16, kSensors, displaceEach},
+            {"stamps that jitter by 5 %", kRate, 16, kSensors, jitterStamps},
+            {"20 octaves per minute", kRate, 20},
+            {"60 octaves per minute", kRate, 60},
+            {"100 octaves per minute", kRate, 100}};
+}
+
+/// `stiffness`, `damping`, `clearance`, `stop stiffness`.
+std::string kindOf(const std::string& name) {
+    const std::string key = name.substr(name.rfind('.') + 1);
+    const bool stop = name.find(".+.") != std::string::npos || name.find(".-.") != std::string::npos;
+    return stop && key == "stiffness" ? "stop stiffness" : key;
+}
+
+}  // namespace
+
+TEST_CASE("Coverage of the 95 % intervals under every condition", "[.conditions]") {
+    const MountModel truth = readMountModel(WEMS_SOURCE_DIR "/models/shipped/smallsat_wems.toml");
+    const unsigned seed = test::drawSeed();
+    const std::vector<Condition> conditions = listConditions();
+    const std::size_t which = GENERATE_COPY(range(std::size_t{0}, conditions.size()));
+    const Condition& condition = conditions.at(which);
+    test::SweepSettings sweep;
+    sweep.force = {0, 0, 500};
+    sweep.octaves_per_minute = condition.octaves_per_minute;
+    sweep.sample_rate = condition.rate;
+    sweep.steps_per_sample = static_cast<int>(16000 / condition.rate);
+    const test::SyntheticRun run = test::simulateSweep(truth, sweep);
+    std::map<std::string, std::array<int, 2>> held;  // kind → inside, all
+    Random random(seed);
+    for (int repetition = 0; repetition < kRepetitions; ++repetition) {
+        const std::uint64_t own = random();
+        const MountModel believed = test::perturb(truth, 0.25, own);
+        Recording recording = test::record(run, condition.noise, own);
+        if (condition.alter) condition.alter(recording, run, random);
+        const FitResult fit = fitMount({estimateMotion(recording, believed)}, believed);
+        for (const auto& p : fit.parameters) {
+            const double value = getParameter(truth, p.name);
+            for (const auto& key : {kindOf(p.name), std::string("all")}) {
+                held[key][0] += p.interval95[0] <= value && value <= p.interval95[1] ? 1 : 0;
+                ++held[key][1];
+            }
+        }
+    }
+    std::string text = condition.name + ", seed " + std::to_string(seed) + ":";
+    for (const auto& [kind, numbers] : held)
+        text += " " + kind + " " + std::to_string(numbers[0]) + "/" + std::to_string(numbers[1]);
+    WARN(text);
+    CHECK(held["all"][0] >= 0.93 * held["all"][1]);
+}
+
+}  // namespace wems::identify
