@@ -249,8 +249,8 @@ TEST_CASE("A guided device, loaded itself, leaves nothing but noise at the truth
 
 // The table's slow motion is integrated acceleration noise, 0.1 µm above 15 Hz, and meets the stop. The table's noise
 // has no redundancy, see above; the same device without stops has it too. Contact spreads slow noise over all
-// frequencies, so that the values are not independent: a quarter. Less is no fault: what the slow motion's balance takes
-// of the contact's noise, a third here, the covariance leaves in.
+// frequencies, so that the values are not independent: a quarter. Less is no fault: what the slow motion's balance
+// takes of the contact's noise, a third here, the covariance leaves in.
 TEST_CASE("A guided device on a shaken table leaves nothing but noise at the truth, deep in its stop") {
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
