@@ -137,4 +137,36 @@ Eigen::MatrixXd SmoothingKernel::apply(const Eigen::Ref<const Eigen::MatrixXd>& 
     return result;
 }
 
+Eigen::MatrixXd SmoothingKernel::applyBetween(const Eigen::Ref<const Eigen::MatrixXd>& rows, int derivative,
+                                              int refinement) const {
+    const auto& weights = weights_[derivative];
+    const Eigen::Index samples = rows.cols(), all = weights.size(), fine = refinement;
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows.rows(), (samples - 1) * fine + 1);
+    for (Eigen::Index phase = 0; phase < fine; ++phase) {
+        // Weights that meet samples at this place within an interval; each phase alone is exact on constants.
+        const Eigen::Index skipped = (half_width_ + fine - phase) % fine, count = (all - 1 - skipped) / fine + 1;
+        Eigen::VectorXd own(count);
+        for (Eigen::Index j = 0; j < count; ++j) own[j] = static_cast<double>(fine) * weights[skipped + j * fine];
+        if (derivative == 0) own /= own.sum();
+        if (derivative > 0) own.array() -= own.mean();
+        for (Eigen::Index k = phase; k < result.cols(); k += fine) {
+            const Eigen::Index first = (k - half_width_ + skipped) / fine;
+            if (first >= 0 && first + count <= samples) {
+                result.col(k).noalias() = rows.middleCols(first, count) * own;
+                continue;
+            }
+            for (Eigen::Index j = 0; j < count; ++j)
+                result.col(k) += own[j] * rows.col(std::clamp<Eigen::Index>(first + j, 0, samples - 1));
+        }
+    }
+    return result;
+}
+
+double SmoothingKernel::calcResponse(double frequency) const {
+    const Eigen::VectorXd& weights = weights_[0];
+    double sum = weights[half_width_];
+    for (int k = 1; k <= half_width_; ++k) sum += 2 * weights[half_width_ + k] * std::cos(kTwoPi * frequency * k);
+    return sum;
+}
+
 }  // namespace wems::identify

@@ -52,6 +52,7 @@ Eigen::Matrix<double, 12, 12> calcAliasing(const RunMotion& run);
 /// phase.
 class SmoothingKernel {
 public:
+    SmoothingKernel() = default;
     /// @param interval s between samples; @param pass, stop edges of the transition band (Hz), stop ≤ 1 / (2 interval)
     SmoothingKernel(double interval, double pass, double stop);
 
@@ -61,6 +62,12 @@ public:
     /// Derivative (0, 1 or 2) of each smoothed row, every `step`-th sample: rows x ceil(samples / step). Beyond the
     /// ends the signal is held.
     Eigen::MatrixXd apply(const Eigen::Ref<const Eigen::MatrixXd>& rows, int derivative, int step) const;
+    /// The same at `refinement` places in each interval of rows that are as many intervals of the kernel apart.
+    /// @pre the transition band ends below half of the rows' rate
+    Eigen::MatrixXd applyBetween(const Eigen::Ref<const Eigen::MatrixXd>& rows, int derivative, int refinement) const;
+
+    /// What is left of a sine. @param frequency of the kernel's rate
+    double calcResponse(double frequency) const;
 
 private:
     int half_width_ = 0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/problem/fast_motion.hpp"
 #include "identify/problem/mount_equation.hpp"
 #include "models/axis_law.hpp"
 #include "models/bryant.hpp"
@@ -24,7 +25,7 @@ constexpr double kOfPass = 0.9;       // and of the low pass
 
 Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state, Purpose purpose)
     : model_(state.model),
-      open_(makeOpenLoopRun(test.motion, model_, test.band, test.swept.hertz)),
+      open_(restoreFastMotion(makeOpenLoopRun(test.motion, model_, test.band, test.swept.hertz), model_)),
       slow_(followSlowMotion(open_, model_)),
       with_bracket_(BracketEquation::isAvailable(open_, model_)),
       spectra_(open_, std::max(kCountedFrom * test.band.lowest, slow_ ? slow_->highestBalanced() : open_.lowest),

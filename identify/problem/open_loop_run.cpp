@@ -1,5 +1,6 @@
 #include "identify/problem/open_loop_run.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -58,11 +59,27 @@ Matrix6 calcStiffnessMatrix(const MountModel& model) {
     return sumAxes(model, &AxisLaw::stiffness);
 }
 
+double calcContactFrequency(const MountModel& model) {
+    MountModel closed = model;
+    bool any = false;
+    for (Connection& connection : closed.connections)
+        for (AxisLaw& law : connection.axis) {
+            double stiffest = 0;
+            for (const Stop& stop : law.stops) stiffest = std::max(stiffest, stop.stiffness);
+            law.stiffness += stiffest;
+            any = any || stiffest > 0;
+        }
+    if (!any) return 0;
+    const Vector6 freedom = calcFreedom(model.body);
+    Matrix6 mass = calcMassMatrix(model.body), stiffness = calcStiffnessMatrix(closed);
+    holdMotions(mass, freedom, 1);
+    holdMotions(stiffness, freedom, 0);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(stiffness, mass, Eigen::EigenvaluesOnly);
+    return std::sqrt(std::max(0.0, modes.eigenvalues().maxCoeff())) / kTwoPi;
+}
+
 namespace {
 
-// In units of the highest frequency that is kept: the end of a transition band, and a rate that holds what is left.
-constexpr double kStop = 7.6 / 4.4, kLeastRate = 19 / 4.4;
-constexpr double kOfNyquist = 0.95;  // where the transition band ends at the latest
 // Ends of the window. A mode's response to tapered inputs is not its tapered response, by the slope of the window times
 // the mode's memory: with ends of 0.15 s a mode at the end of a sweep moved damping ratios by ten standard deviations.
 constexpr double kEnd = 0.05;            // of the recording, the longest
@@ -72,13 +89,13 @@ constexpr double kSmallestNoise = 1e-8;  // m: round-off of a file, where the no
 constexpr double kSmallestAcceleration = 1e-5;  // m/s²
 constexpr double kUnmeasured = 1.0;             // m: the accelerations alone count
 
-SmoothPart smooth(const PartMotion& part, const SmoothingKernel& kernel, int step) {
+SmoothPart smooth(const PartMotion& part, const RunFilter& filter) {
     SmoothPart result;
-    result.p = kernel.apply(part.p, 0, step);
-    result.v = kernel.apply(part.p, 1, step);
-    result.a = kernel.apply(part.p, 2, step);
-    result.theta = kernel.apply(part.theta, 0, step);
-    const Eigen::MatrixXd rate = kernel.apply(part.theta, 1, step), rate2 = kernel.apply(part.theta, 2, step);
+    result.p = filter.apply(part.p, 0);
+    result.v = filter.apply(part.p, 1);
+    result.a = filter.apply(part.p, 2);
+    result.theta = filter.apply(part.theta, 0);
+    const Eigen::MatrixXd rate = filter.apply(part.theta, 1), rate2 = filter.apply(part.theta, 2);
     const Eigen::Index count = result.p.cols();
     result.w.resize(3, count);
     result.alpha.resize(3, count);
@@ -93,11 +110,6 @@ SmoothPart smooth(const PartMotion& part, const SmoothingKernel& kernel, int ste
         result.alpha.col(k) = B * u2 + (0.5 * U + (T * U + U * T) / 6.0) * u;
     }
     return result;
-}
-
-/// Hz, up to which the low pass is flat.
-double calcPass(double interval, const ExcitedBand& band) {
-    return std::min(band.harmonics * band.highest, kOfNyquist * 0.5 / interval / kStop);
 }
 
 /// A noise that is not known, as that of a single channel, is that of round-off.
@@ -190,38 +202,28 @@ void calcRelative(const MountModel& model, const SmoothPart& mobile, const Smoot
     }
 }
 
-SmoothingKernel makeKernel(double interval, const ExcitedBand& band) {
-    const double pass = calcPass(interval, band);
-    return {interval, pass, kStop * pass};
-}
-
-int findDecimation(double interval, const ExcitedBand& band) {
-    return std::max(1,
-                    static_cast<int>(std::floor(1.0 / interval / (kLeastRate * band.harmonics * band.highest) + 1e-9)));
-}
-
 OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const ExcitedBand& band,
                             const Eigen::VectorXd& swept_frequency) {
     OpenLoopRun result;
     result.file = run.file;
     result.raw_interval = run.interval;
     result.band = band;
-    result.pass = calcPass(run.interval, band);
-    const SmoothingKernel kernel = makeKernel(run.interval, band);
-    const int step = findDecimation(run.interval, band);
-    result.interval = run.interval * step;
-    runParallel({[&] { result.mobile = smooth(run.mobile, kernel, step); },
-                 [&] { result.fixed = smooth(run.fixed, kernel, step); }});
+    const RunFilter filter(run.interval, band);
+    result.filter = filter;
+    result.pass = filter.pass();
+    result.interval = filter.interval();
+    runParallel(
+        {[&] { result.mobile = smooth(run.mobile, filter); }, [&] { result.fixed = smooth(run.fixed, filter); }});
     calcRelative(model, result.mobile, result.fixed, result.q, result.v);
     result.quiet_v = removeVelocityNoise(result.v, velocityNoiseFrame(result.interval, band.lowest), result.interval,
                                          calcVelocityDensity(run, model, band, result.interval, run.trusted_from));
-    if (run.load.cols() > 0) result.load = kernel.apply(run.load, 0, step);
-    if (run.base.cols() > 0) result.base = kernel.apply(run.base, 0, step);
+    if (run.load.cols() > 0) result.load = filter.apply(run.load, 0);
+    if (run.base.cols() > 0) result.base = filter.apply(run.base, 0);
     const auto count = result.mobile.p.cols();
     result.time = Eigen::VectorXd::LinSpaced(count, 0.0, static_cast<double>(count - 1) * result.interval);
     if (swept_frequency.size() == run.mobile.p.cols()) {
         result.swept.resize(count);
-        for (Eigen::Index k = 0; k < count; ++k) result.swept[k] = swept_frequency[k * step];
+        for (Eigen::Index k = 0; k < count; ++k) result.swept[k] = swept_frequency[filter.recorded(k)];
     }
     result.lowest = run.trusted_from;
     result.fixed_measured = run.fixed.displacement_measured || run.fixed.acceleration_measured;
@@ -244,7 +246,7 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
     result.fixed_acceleration_noise = accelerationNoise(run.fixed);
     result.aliasing = calcAliasing(run);
 
-    result.taper = makeWindow(result, (kernel.halfWidth() + 1) * run.interval);
+    result.taper = makeWindow(result, filter.edge());
     return result;
 }
 

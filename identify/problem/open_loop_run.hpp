@@ -9,6 +9,7 @@
 
 #include "identify/motion/motion.hpp"
 #include "identify/problem/fourier.hpp"
+#include "identify/problem/run_filter.hpp"
 #include "models/axis_law.hpp"
 #include "models/mount_model.hpp"
 
@@ -22,6 +23,9 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 Matrix6 calcMassMatrix(const MobileBody& body);
 /// Of the elastomers alone: stops and what else the laws hold left out.
 Matrix6 calcStiffnessMatrix(const MountModel& model);
+/// Hz: the highest natural frequency of the mobile part with each axis in its stiffest stop, the fixed part at rest;
+/// 0 without stops.
+double calcContactFrequency(const MountModel& model);
 /// Of the mobile part's six motions: 1 where it is free, 0 where a guide holds it. A guide gives whatever force it
 /// must: the equations of held motions say nothing of the mount.
 Vector6 calcFreedom(const MobileBody& body);
@@ -29,14 +33,6 @@ Vector6 calcFreedom(const MobileBody& body);
 void holdMotions(Matrix6& matrix, const Vector6& freedom, double diagonal);
 /// (displacement of an axis) = directionᵀ (translation, rotation): (e_a ; r_i × e_a).
 Vector6 calcAxisDirection(const MountModel& model, int connection, int axis);
-
-/// The band that a recording excites, Hz, from which all lengths of filters and tapers follow.
-struct ExcitedBand {
-    double lowest = 0, highest = 0;
-    /// Laws act on the motion up to this multiple of the highest excited frequency, or as far as the samples reach:
-    /// by default to the fourth harmonic, as campaigns of the exact method have measured it.
-    double harmonics = 4.4;
-};
 
 /// One rigid part; column k belongs to sample k. In G.
 struct SmoothPart {
@@ -54,7 +50,8 @@ struct OpenLoopRun {
     double pass = 0;          ///< Hz, all is flat up to here
     double lowest = 0;        ///< Hz, below this the motion is not known
     ExcitedBand band;         ///< Hz
-    Eigen::VectorXd time;     ///< s since the start of the recording
+    RunFilter filter;
+    Eigen::VectorXd time;  ///< s since the start of the recording
     SmoothPart mobile, fixed;
     Eigen::MatrixXd q, v;     ///< relative displacement and velocity, F axes: row 3 i + axis; m, m/s
     Eigen::MatrixXd quiet_v;  ///< velocity as friction takes it: without what is noise in a stretch and a band; m/s
@@ -64,6 +61,9 @@ struct OpenLoopRun {
     bool fixed_measured = false;
     /// A part's displacements are integrated accelerations: its slow motion is not known.
     bool mobile_integrated = false, fixed_integrated = false;
+    /// What was taken off each part's displacements before they were filtered (fast_motion.hpp): translation above
+    /// rotation, at the recording's samples; empty where nothing was.
+    Eigen::MatrixXd mobile_folded, fixed_folded;
     Eigen::VectorXd taper;  ///< 0 where the filter met an end, 1 inside, smooth between
     /// Noise of one channel as displacement, white up to 1/(2 raw_interval) (m RMS) and the acceleration noise fused
     /// with it (m/s² RMS, infinite if accelerations were not recorded).
@@ -79,11 +79,6 @@ struct OpenLoopRun {
 /// @param swept_frequency Hz at each sample of `run`, empty if it is not known
 OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const ExcitedBand& band,
                             const Eigen::VectorXd& swept_frequency);
-
-/// The low pass that everything of a run went through.
-SmoothingKernel makeKernel(double interval, const ExcitedBand& band);
-/// Every how many samples the smoothed motion is kept.
-int findDecimation(double interval, const ExcitedBand& band);
 
 /// Relative displacement and velocity of every axis from the motion of both parts (rows 3 i + axis).
 void calcRelative(const MountModel& model, const SmoothPart& mobile, const SmoothPart& fixed, Eigen::MatrixXd& q,

@@ -44,8 +44,10 @@ std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> calcDensities(const Open
         const double f = spectra.densityFrequency(std::max<Eigen::Index>(1, k)), w = kTwoPi * f;
         densities.push_back(Matrix6::Zero());
         if (f < corner) continue;
+        const double passed = std::pow(run.filter.calcResponse(f), 2);
         densities.back() =
-            kept * (motion.covariance(Part::mobile, w) + motion.covariance(Part::fixed, w) + folded / (w * w * w * w));
+            kept * passed *
+            (motion.covariance(Part::mobile, w) + motion.covariance(Part::fixed, w) + folded / (w * w * w * w));
     }
     for (Eigen::Index b = 0; b < wrong.cols(); ++b)
         densities[spectra.firstBin() + b].diagonal() +=

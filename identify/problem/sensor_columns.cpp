@@ -44,8 +44,6 @@ SensorColumns::SensorColumns(const TestRun& test, const SensorLayout& layout, co
                              const EquationSpectra& spectra, const MotionNoise& noise, const UnknownTable& table,
                              const std::vector<char>& wanted)
     : layout_(layout), run_(run), spectra_(spectra), noise_(noise), table_(table), fourier_(run.sampleCount()) {
-    const SmoothingKernel kernel = makeKernel(run.raw_interval, run.band);
-    const int step = findDecimation(run.raw_interval, run.band);
     for (std::size_t g = 0; g < layout.groups.size(); ++g) {
         GroupSamples samples = collectGroup(test.recording, layout, static_cast<int>(g));
         if (samples.empty()) continue;
@@ -64,7 +62,9 @@ SensorColumns::SensorColumns(const TestRun& test, const SensorLayout& layout, co
                 group.reading(c, k) =
                     calcChannelMotion(layout.channels[samples.channels[c]], group.derivative, part.R[k], part.p.col(k),
                                       part.w.col(k), part.a.col(k), part.alpha.col(k));
-        Eigen::MatrixXd residual = kernel.apply(samples.values, 0, step) - group.reading;
+        const Eigen::MatrixXd& folded = group.part == Part::mobile ? run.mobile_folded : run.fixed_folded;
+        if (folded.size() > 0 && group.derivative == Derivative::displacement) samples.values -= group.design * folded;
+        Eigen::MatrixXd residual = run.filter.apply(samples.values, 0) - group.reading;
         residual.colwise() -= residual.rowwise().mean().eval();
         group.residual = spectra.transform(residual);
         groups_.push_back(std::move(group));

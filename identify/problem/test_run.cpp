@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "identify/motion/motion.hpp"
+#include "identify/problem/fast_motion.hpp"
 #include "models/bryant.hpp"
 #include "models/common/error.hpp"
 
@@ -105,7 +106,7 @@ TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, c
         throw InputError({recording.file, 0, {}},
                          "no motion stands out from the noise, so that nothing is known of the mount",
                          "a recording in which the device is driven or rings");
-    run.band = {run.swept.lowest, run.swept.highest, kHarmonics};
+    run.band = {run.swept.lowest, run.swept.highest, kHarmonics, 0};
     run.motion = estimateMotion(run.recording, believed, ContactEdges::filtered);
     const double interval = run.motion.interval, resolution = run.band.lowest / kSpectrumBands;
     for (std::size_t g = 0; g < layout.groups.size(); ++g) {
@@ -129,6 +130,8 @@ TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, c
         // Below the sweep motion may be slow, and always there: the creep of a table was taken for 0.2 mm of noise.
         if (freedom <= 0) run.noise.back().levelBelow(run.band.lowest);
     }
+    if (reachesStops(makeOpenLoopRun(run.motion, believed, run.band, {}), believed))
+        run.band.contact = calcContactFrequency(believed);
     if (run.motion.load.cols() > 0) run.load_noise = findLoadNoise(run.motion.load, run.band, interval, resolution);
     return run;
 }
