@@ -2,7 +2,9 @@
 #include "identify/commands/fit.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "identify/commands/component_fit.hpp"
@@ -15,6 +17,9 @@
 #include "identify/fit/output_error.hpp"
 #include "identify/motion/channel_correction.hpp"
 #include "identify/motion/parallel.hpp"
+#include "identify/problem/open_loop_run.hpp"
+#include "identify/updating/coarse_contacts.hpp"
+#include "identify/updating/settling.hpp"
 #include "models/common/error.hpp"
 #include "models/mount_model.hpp"
 #include "models/report/html_report.hpp"
@@ -58,9 +63,8 @@ void noteNegativeDamping(const FitResult& fit, std::vector<std::string>& notes) 
                         " and others): does the time run backwards, or has a channel the wrong sign?");
 }
 
-/// Where derivatives do not hold, the free simulation is what displacements can be compared with.
-bool choosesSimulation(const FitRequest& request, const std::vector<RunMotion>& runs) {
-    if (request.method != "auto") return request.method == "simulation";
+/// Where derivatives do not hold, displacements can still be compared with a free simulation.
+bool areTooCoarse(const std::vector<RunMotion>& runs) {
     return std::any_of(runs.begin(), runs.end(), [](const RunMotion& run) {
         return run.sufficient_rate > 0 && run.mobile.displacement_measured && !run.mobile.acceleration_measured;
     });
@@ -95,6 +99,43 @@ FitResult simulateFit(const FitRequest& request, const std::vector<Recording>& r
     return fit;
 }
 
+/// A regression's numbers refined where samples do not tell the course of its contacts.
+std::optional<FitResult> refine(const FitResult& fit, const FitRequest& request,
+                                const std::vector<Recording>& recordings, const std::vector<RunMotion>& runs,
+                                const MountModel& model, Watcher& watcher) {
+    if (recordings.empty() || !request.fit.free_body.empty() || !updating::hasCoarseContacts(fit, runs))
+        return std::nullopt;
+    watcher.onStep({"motion between the samples of a contact"});
+    return updating::refineCoarseContacts(fit, recordings, model);
+}
+
+/// Derivatives that do not hold may do so with the motion between the samples of contacts, which no simulation follows
+/// for long: that answer, if the equations then leave next to nothing but noise.
+std::optional<FitResult> fitCoarseContacts(const FitRequest& request, const std::vector<Recording>& recordings,
+                                           const std::vector<RunMotion>& runs, const MountModel& model,
+                                           Watcher& watcher) {
+    const bool has_stops = calcContactFrequency(model) > 0;
+    if (!has_stops) return std::nullopt;
+    try {
+        const auto refined = refine(fitMount(runs, model, request.fit), request, recordings, runs, model, watcher);
+        if (refined && std::pow(refined->residual_over_noise, 2) < updating::kSatisfied) return refined;
+    } catch (const InputError&) {
+        // What the equations of motion lack, as length, a simulation may not need.
+    }
+    return std::nullopt;
+}
+
+FitResult fitRuns(const FitRequest& request, const std::vector<Recording>& recordings,
+                  const std::vector<RunMotion>& runs, const MountModel& model, Watcher& watcher) {
+    if (request.method == "simulation") return simulateFit(request, recordings, runs, model, watcher);
+    if (request.method == "auto" && areTooCoarse(runs)) {
+        if (const auto refined = fitCoarseContacts(request, recordings, runs, model, watcher)) return *refined;
+        return simulateFit(request, recordings, runs, model, watcher);
+    }
+    const FitResult fit = fitMount(runs, model, request.fit);
+    return refine(fit, request, recordings, runs, model, watcher).value_or(fit);
+}
+
 /// @param recordings of the runs; none where the runs are blocks of long ones
 void fitDevice(const FitRequest& request, const std::vector<Recording>& recordings, DeviceRuns device, Watcher& watcher,
                FitAnswer& answer) {
@@ -102,9 +143,7 @@ void fitDevice(const FitRequest& request, const std::vector<Recording>& recordin
     answer.notes = std::move(device.notes);
     answer.blocks = std::move(device.blocks);
     watcher.onStep({"equations of motion, parameters and intervals", answer.blocks ? 0 : kMotionShare, 1});
-    answer.mount = choosesSimulation(request, device.runs)
-                       ? simulateFit(request, recordings, device.runs, answer.start, watcher)
-                       : fitMount(device.runs, answer.start, request.fit);
+    answer.mount = fitRuns(request, recordings, device.runs, answer.start, watcher);
     const FitResult& fit = *answer.mount;
     answer.notes.insert(answer.notes.end(), fit.notes.begin(), fit.notes.end());
     noteNegativeDamping(fit, answer.notes);

@@ -212,18 +212,6 @@ void reportUnreachedStops(Solver& solver, FitResult& result) {
     }
 }
 
-/// What is left should be noise; where it is not, the intervals say less than they seem to.
-void warnOfMissingTerms(const Solver& solver, const ParameterUncertainty& uncertainty, FitResult& result) {
-    constexpr double notable = 2, least_fraction = 5e-3;
-    const double expected = solver.calcNoiseSquares() + uncertainty.calibrationSquares();
-    result.residual_over_noise = expected > 0 ? std::sqrt(solver.calcResidualSquares() / expected) : 0.0;
-    if (result.residual_over_noise < notable || result.residual_fraction < least_fraction) return;
-    result.notes.push_back(
-        "what is left unexplained is " + format(result.residual_over_noise) +
-        " times what the channels' noise leaves: the mount does something that this model does not have "
-        "(identify diagnose looks for it), and the intervals hold only as far as the model does");
-}
-
 }  // namespace
 
 void fillResult(Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
@@ -236,27 +224,44 @@ void fillResult(Solver& solver, const LinearSystem& system, const ParameterUncer
     const Identifiability identifiability =
         findIdentifiable(solver.model(), taking_part, system.scale, covariance,
                          [&](const Eigen::VectorXd& combination) { return uncertainty.calcHalfWidth(combination); });
-    result.model = solver.base();
-    for (std::size_t j = 0; j < taking_part.size(); ++j) {
-        if (!identifiability.known[j]) continue;
-        const Eigen::Index k = j;
-        const Eigen::VectorXd combination = system.scale(k) * Eigen::VectorXd::Unit(system.scale.size(), k);
-        FittedParameter fitted{taking_part[j].name, taking_part[j].unit, 0, 0, 0, {}};
-        fitted.model_value = getParameter(solver.base(), fitted.name);
-        fitted.value = getParameter(solver.model(), fitted.name);
-        fitted.standard_error = uncertainty.calcStandardError(combination);
-        fitted.interval95 = makeInterval(
-            fitted.value, std::max(uncertainty.calcHalfWidth(combination), kDiscretisation * std::abs(fitted.value)));
-        setParameter(result.model, fitted.name, fitted.value);
-        result.parameters.push_back(std::move(fitted));
-    }
-    addOpenGroups({taking_part, system.scale, solver.base(), solver.model(), kDiscretisation,
-                   [&](const Eigen::VectorXd& combination) { return uncertainty.calcHalfWidth(combination); }},
-                  identifiability, result);
+    fillParameters(
+        {taking_part, system.scale, solver.base(), solver.model(), kDiscretisation,
+         [&](const Eigen::VectorXd& combination) { return uncertainty.calcHalfWidth(combination); }},
+        identifiability, [&](const Eigen::VectorXd& combination) { return uncertainty.calcStandardError(combination); },
+        result);
     reportUnreachedStops(solver, result);
     result.remainders = calcRemainders(solver);
     result.residual_fraction = calcUnexplainedFraction(result.remainders, solver.model());
-    warnOfMissingTerms(solver, uncertainty, result);
+    const double expected = solver.calcNoiseSquares() + uncertainty.calibrationSquares();
+    result.residual_over_noise = expected > 0 ? std::sqrt(solver.calcResidualSquares() / expected) : 0.0;
+    if (const auto note = describeMissingTerms(result)) result.notes.push_back(*note);
+}
+
+std::optional<std::string> describeMissingTerms(const FitResult& result) {
+    constexpr double notable = 2, least_fraction = 5e-3;
+    if (result.residual_over_noise < notable || result.residual_fraction < least_fraction) return std::nullopt;
+    return "what is left unexplained is " + format(result.residual_over_noise) +
+           " times what the channels' noise leaves: the mount does something that this model does not have "
+           "(identify diagnose looks for it), and the intervals hold only as far as the model does";
+}
+
+void fillParameters(const SolvedParameters& solved, const Identifiability& identifiability,
+                    const std::function<double(const Eigen::VectorXd&)>& calcStandardError, FitResult& result) {
+    result.model = solved.believed;
+    for (std::size_t j = 0; j < solved.parameters.size(); ++j) {
+        if (!identifiability.known[j]) continue;
+        const Eigen::Index k = j;
+        const Eigen::VectorXd combination = solved.scale(k) * Eigen::VectorXd::Unit(solved.scale.size(), k);
+        FittedParameter fitted{solved.parameters[j].name, solved.parameters[j].unit, 0, 0, 0, {}};
+        fitted.model_value = getParameter(solved.believed, fitted.name);
+        fitted.value = getParameter(solved.fitted, fitted.name);
+        fitted.standard_error = calcStandardError(combination);
+        fitted.interval95 = makeInterval(
+            fitted.value, std::max(solved.calcHalfWidth(combination), solved.least_error * std::abs(fitted.value)));
+        setParameter(result.model, fitted.name, fitted.value);
+        result.parameters.push_back(std::move(fitted));
+    }
+    addOpenGroups(solved, identifiability, result);
 }
 
 }  // namespace wems::identify

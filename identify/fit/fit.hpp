@@ -5,6 +5,7 @@
 
 #include <array>
 #include <chrono>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -39,6 +40,8 @@ private:
     std::vector<std::pair<std::string, double>>& laps_;
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
+
+struct SolvedParameters;  // open_groups.hpp
 
 struct FitOptions {
     std::vector<std::string> free_body;  ///< `body.center_of_gravity`, `body.inertia`, or components of them
@@ -112,5 +115,12 @@ FitResult fitMount(const std::vector<RunMotion>& measured, const MountModel& mod
 /// Fills parameters, not_identifiable, residual_fraction, model and notes of `result`.
 void fillResult(Solver& solver, const LinearSystem& system, const ParameterUncertainty& uncertainty,
                 const FitOptions& options, FitResult& result);
+
+/// What is left should be noise: the note where it is not.
+std::optional<std::string> describeMissingTerms(const FitResult& result);
+
+/// The part of it that needs values and half widths alone: known parameters, open groups, the fitted model.
+void fillParameters(const SolvedParameters& solved, const Identifiability& identifiability,
+                    const std::function<double(const Eigen::VectorXd&)>& calcStandardError, FitResult& result);
 
 }  // namespace wems::identify

@@ -81,10 +81,10 @@ void addOpenGroups(const SolvedParameters& solved, const Identifiability& identi
         rest.separate_by = group.separate_by;
         result.not_identifiable.push_back(std::move(rest));
     }
-    if (shared)
-        result.notes.emplace_back(
-            "the fitted model shares each known combination among its members in proportion to the values of the "
-            "model");
+    const std::string note =
+        "the fitted model shares each known combination among its members in proportion to the values of the model";
+    if (shared && std::find(result.notes.begin(), result.notes.end(), note) == result.notes.end())
+        result.notes.push_back(note);
 }
 
 }  // namespace wems::identify
