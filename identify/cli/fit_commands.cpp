@@ -68,7 +68,8 @@ void addFitCommand(CLI::App& app, int& exit_status) {
     command
         ->add_option("--method", options->request.method,
                      "fit to the equations of motion, or to free simulations, which need no derivatives; auto takes "
-                     "motion wherever the sampling holds them")
+                     "motion wherever the sampling holds them, or the device itself gives what lies between samples "
+                     "of a contact")
         ->check(CLI::IsMember({"auto", "motion", "simulation"}));
     addInputFile(*command, "--validate", options->request.runs.validation,
                  "recordings that judge the fitted model or law; never fitted to");

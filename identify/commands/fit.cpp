@@ -117,7 +117,7 @@ std::optional<FitResult> fitCoarseContacts(const FitRequest& request, const std:
     const bool has_stops = calcContactFrequency(model) > 0;
     if (!has_stops) return std::nullopt;
     try {
-        const auto refined = refine(fitMount(runs, model, request.fit), request, recordings, runs, model, watcher);
+        auto refined = refine(fitMount(runs, model, request.fit), request, recordings, runs, model, watcher);
         if (refined && std::pow(refined->residual_over_noise, 2) < updating::kSatisfied) return refined;
     } catch (const InputError&) {
         // What the equations of motion lack, as length, a simulation may not need.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 
 #include "identify/motion/motion.hpp"
 #include "identify/motion/real_transform.hpp"
@@ -71,7 +72,7 @@ public:
 
 private:
     int half_width_ = 0;
-    Eigen::VectorXd weights_[3];  // correlation weights from -half_width to +half_width
+    std::array<Eigen::VectorXd, 3> weights_;  // correlation weights from -half_width to +half_width
 };
 
 }  // namespace wems::identify

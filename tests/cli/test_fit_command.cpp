@@ -193,6 +193,21 @@ TEST_CASE("fit --memory: a recording longer than memory is fitted on blocks of i
     CHECK_THAT(refused.errors, Contains("--memory: is too small for a block of 32768 rows (accepted: at least"));
 }
 
+namespace {
+
+/// The numbers of a result are those of its model, and those of the truth within five standard errors.
+void checkNumbers(const nlohmann::json& result, const MountModel& fitted, const MountModel& truth) {
+    for (const auto& parameter : result.at("parameters")) {
+        const auto name = parameter.at("name").get<std::string>();
+        CAPTURE(name);
+        const double value = parameter.at("value"), error = parameter.at("standard_error");
+        CHECK(getParameter(fitted, name) == Approx(value));
+        CHECK(std::abs(value - getParameter(truth, name)) < 5 * error);
+    }
+}
+
+}  // namespace
+
 TEST_CASE("fit of coarse displacements follows simulations unasked, writes the zeros, and its model holds elsewhere") {
     const auto seed = test::drawSeed();
     CAPTURE(seed);
@@ -219,13 +234,7 @@ TEST_CASE("fit of coarse displacements follows simulations unasked, writes the z
     CHECK(result.at("residual").at("fraction").get<double>() < 3e-3);
     CHECK(result.at("validation")[0].at("error").get<double>() < 0.02);
     const MountModel fitted = readMountModel(folder.path() + "/fitted.toml");
-    for (const auto& parameter : result.at("parameters")) {
-        const auto name = parameter.at("name").get<std::string>();
-        CAPTURE(name);
-        const double value = parameter.at("value"), error = parameter.at("standard_error");
-        CHECK(getParameter(fitted, name) == Approx(value));
-        CHECK(std::abs(value - getParameter(truth, name)) < 5 * error);
-    }
+    checkNumbers(result, fitted, truth);
     CHECK(getParameter(fitted, "load.fz.zero") != 0);
 
     // The equations of motion do not hold them, and have no law but the linear one to offer.
@@ -235,6 +244,34 @@ TEST_CASE("fit of coarse displacements follows simulations unasked, writes the z
     const auto refused = fit({"--method", "motion", "--free", "1.z.cubic"});
     CHECK(refused.exit_status == 2);
     CHECK_THAT(refused.errors, Contains("--free 1.z.cubic: not a parameter that can be freed"));
+}
+
+TEST_CASE("fit of displacements with few samples of a contact says so, and its numbers hold") {
+    const auto seed = test::drawSeed();
+    CAPTURE(seed);
+    const test::TemporaryDirectory folder;
+    const MountModel truth = readMountModel(WEMS_SOURCE_DIR "/models/shipped/smallsat_wems.toml");
+    test::SweepSettings sweep;
+    sweep.force = {0, 0, 500};
+    sweep.octaves_per_minute = 30;
+    sweep.sample_rate = 500;
+    sweep.steps_per_sample = 32;
+    writeRecording(test::record(test::simulateSweep(truth, sweep), {1e-6, -1}, seed), folder.path() + "/run.csv");
+    MountModel believed = test::perturb(truth, 0.2, seed);
+    believed.bracket.clear();
+    writeMountModel(believed, folder.path() + "/believed.toml");
+    const auto answer = runProgram(
+        IDENTIFY_PROGRAM, {"fit", "run.csv", "--model", "believed.toml", "--json", "fit.json", "-o", "fitted.toml"},
+        folder.path());
+    CAPTURE(answer.output, answer.errors);
+    REQUIRE(answer.exit_status == 0);
+    CHECK_THAT(answer.output, Contains("contacts between few samples"));
+    const auto result = readJson(folder, "fit.json");
+    CHECK(result.at("method") == "motion");
+    CHECK(result.at("residual").at("over_noise").get<double>() < 1.5);
+    const MountModel fitted = readMountModel(folder.path() + "/fitted.toml");
+    checkNumbers(result, fitted, truth);
+    CHECK(result.at("parameters").size() > 8);  // stiffness and damping of four axes are eight; the others are of stops
 }
 
 TEST_CASE("fit --method simulation of a device on its bracket agrees with its equations of motion") {
