@@ -19,7 +19,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kOfNoise = 0.1;  // of a displacement, which a further pass would change less
-constexpr int kMostPasses = 20;   // contracting by 0.7, as at the least, they change a thousandth of the first
+constexpr int kMostPasses = 20;   // for time: a pass that does not contract ends them too
 
 /// Wrench of all laws on the mobile part, about M's origin, but for the sign: 6 x samples, tapered.
 Eigen::MatrixXd calcWrench(const OpenLoopRun& run, const MountModel& model, const Eigen::MatrixXd& directions) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kTwoSided = 1.959963984540054;  // of 95 % of a normal variable
 constexpr double kFree = 10;                     // relative tolerance of a law's number: five times itself as deviation
-constexpr int kMostSteps = 16;                   // of Gauss and Newton; from a fit it takes two to four
+constexpr int kMostSteps = 16;                   // of Gauss and Newton, for time: as many as sets of causes have
 
 /// Laws free, all else exactly known.
 MountModel freeLaws(MountModel model) {
