@@ -6,6 +6,7 @@
 #include <complex>
 #include <cstdio>
 #include <memory>
+#include <numeric>
 
 #include "identify/motion/motion.hpp"
 #include "identify/motion/real_transform.hpp"
@@ -20,6 +21,7 @@ constexpr double crossings = 32;
 constexpr double beta = 8;
 constexpr double cutoff_share = 0.464;  // of the lower rate: the stop band begins at its half
 constexpr int table_steps = 512;        // for each zero crossing
+constexpr double same_place = 1e-6;     // of a sample: times are alike up to rounding
 
 /// The windowed sinc over |x| in zero crossings, tabulated and linearly interpolated.
 class Kernel {
@@ -49,23 +51,64 @@ private:
 
 }  // namespace
 
+namespace {
+
+/// Weights of the samples from `first` on for a value between samples, scaled to keep a constant.
+struct SincWeights {
+    long first;
+    std::vector<double> values;
+};
+
+/// @param at sample that the value lies at @param reach samples on each side
+/// @param crossing samples between zeros @param last sample of the signal
+SincWeights calcWeights(const Kernel& kernel, double at, double reach, double crossing, double last) {
+    SincWeights weights{static_cast<long>(std::clamp(std::ceil(at - reach), 0.0, last)), {}};
+    const auto end = static_cast<long>(std::clamp(std::floor(at + reach), 0.0, last));
+    double sum = 0;
+    for (long i = weights.first; i <= end; ++i) {
+        weights.values.push_back(kernel((static_cast<double>(i) - at) / crossing));
+        sum += weights.values.back();
+    }
+    for (double& weight : weights.values) weight = sum != 0 ? weight / sum : 0;
+    return weights;
+}
+
+}  // namespace
+
 UniformSignal resample(const UniformSignal& signal, double start, double interval, std::size_t count) {
     const Kernel kernel;
     UniformSignal result{start, interval, std::vector<double>(count)};
-    const double crossing = std::max(signal.interval, interval) / (2 * cutoff_share);  // s between zeros
-    const double reach = crossings * crossing / signal.interval;                       // samples
-    const auto last = static_cast<double>(signal.values.size() - 1);
+    const double crossing = std::max(signal.interval, interval) / (2 * cutoff_share * signal.interval);
+    const double reach = crossings * crossing, last = static_cast<double>(signal.values.size() - 1);
+    const auto placeOf = [&](std::size_t k) {
+        return (start - signal.start + static_cast<double>(k) * interval) / signal.interval;
+    };
+    // Where a whole number of values falls on each sample, weights come again with that number.
+    const double ratio = signal.interval / interval, whole = std::round(ratio);
+    const bool repeats =
+        whole >= 1 && std::abs(ratio - whole) * static_cast<double>(count) < same_place * whole * whole;
+    const std::size_t phases = repeats ? std::min(static_cast<std::size_t>(whole), count) : 0;
+    std::vector<SincWeights> kept;
+    for (std::size_t k = 0; k < phases; ++k) {
+        // As deep within the signal as the sinc reaches.
+        const double inside = std::ceil(reach) + placeOf(k) - std::floor(placeOf(k));
+        kept.push_back(calcWeights(kernel, inside, reach, crossing, 2 * inside + 1));
+        kept.back().first += static_cast<long>(std::floor(placeOf(k)) - std::ceil(reach));
+    }
     for (std::size_t k = 0; k < count; ++k) {
-        const double at = (start - signal.start + static_cast<double>(k) * interval) / signal.interval;
-        const auto first = static_cast<std::size_t>(std::clamp(std::ceil(at - reach), 0.0, last));
-        const auto end = static_cast<std::size_t>(std::clamp(std::floor(at + reach), 0.0, last));
-        double sum = 0, weights = 0;
-        for (std::size_t i = first; i <= end; ++i) {
-            const double weight = kernel((static_cast<double>(i) - at) * signal.interval / crossing);
-            sum += weight * signal.values[i];
-            weights += weight;
+        if (repeats) {
+            const SincWeights& weights = kept[k % phases];
+            const long first = weights.first + static_cast<long>(k / phases);
+            if (first >= 0 &&
+                first + static_cast<long>(weights.values.size()) <= static_cast<long>(signal.values.size())) {
+                result.values[k] = std::inner_product(weights.values.begin(), weights.values.end(),
+                                                      signal.values.begin() + first, 0.0);
+                continue;
+            }
         }
-        result.values[k] = weights != 0 ? sum / weights : 0;
+        const SincWeights weights = calcWeights(kernel, placeOf(k), reach, crossing, last);
+        result.values[k] = std::inner_product(weights.values.begin(), weights.values.end(),
+                                              signal.values.begin() + weights.first, 0.0);
     }
     return result;
 }

@@ -63,10 +63,18 @@ ColumnNoise::ColumnNoise(const OpenLoopRun& run, const MountModel& model, const 
             motion_products_[part].push_back(all);
         }
     }
+    for (std::size_t row = 0; row < 3 * model_.connections.size(); ++row) {
+        const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
+        auto& own = axis_products_.emplace_back();
+        for (std::size_t i = 0; i < products_.size(); ++i) {
+            const auto& whitener = noise_->whitener(static_cast<Eigen::Index>(i) * slope_step_);
+            own.push_back(calcProduct(i, {whitener.leftCols<6>() * d.cast<Complex>(), relative(d)}));
+        }
+    }
 }
 
-ColumnNoise::Column ColumnNoise::makeLaw(const TestState& from, const TestState& to, int connection, int axis,
-                                         double step) const {
+ColumnNoise::LawChange ColumnNoise::calcLawChange(const TestState& from, const TestState& to, int connection, int axis,
+                                                  double step) const {
     const auto c = static_cast<std::size_t>(connection), a = static_cast<std::size_t>(axis);
     const Eigen::Index row = 3 * connection + axis;
     const DynamicStiffness before = calcDynamicStiffness(open_, from.model.connections[c].axis[a], row),
@@ -74,9 +82,14 @@ ColumnNoise::Column ColumnNoise::makeLaw(const TestState& from, const TestState&
     Eigen::VectorXcd values(spectra_.binCount());
     for (Eigen::Index b = 0; b < values.size(); ++b)
         values[b] = (after.at(spectra_.angular(b)) - before.at(spectra_.angular(b))) / step;
-    if (values.isZero(0.0)) return {};
-    const auto change = std::make_shared<const Eigen::VectorXcd>(std::move(values));
-    const Vector6 d = calcAxisDirection(model_, connection, axis);
+    if (values.isZero(0.0)) return {connection, axis, nullptr};
+    return {connection, axis, std::make_shared<const Eigen::VectorXcd>(std::move(values))};
+}
+
+ColumnNoise::Column ColumnNoise::makeLaw(const LawChange& law) const {
+    const auto change = law.stiffness;
+    if (!change) return {};
+    const Vector6 d = calcAxisDirection(model_, law.connection, law.axis);
     return [this, change, d](Eigen::Index b) -> Terms {
         return {{(*change)[b] * (noise_->whitener(b).leftCols<6>() * d.cast<Complex>()), relative(d)}};
     };
@@ -161,7 +174,7 @@ ColumnNoise::Column ColumnNoise::makeSensor(const SensorEffect& effect) const {
         for (const auto& change : *changes) {
             Vector15 right = Vector15::Zero();
             right.segment<6>(first) = change.signal;
-            terms.push_back({-change.weight[b] *
+            terms.push_back({-(*change.weight)[b] *
                                  (noise_->whitenedMotion(b).middleCols<6>(first) * change.direction.cast<Complex>()),
                              right});
         }
@@ -169,37 +182,62 @@ ColumnNoise::Column ColumnNoise::makeSensor(const SensorEffect& effect) const {
     };
 }
 
+Eigen::Vector2cd ColumnNoise::calcProduct(std::size_t i, const Term& term) const {
+    Eigen::Matrix<Complex, 18, 1> along = Eigen::Matrix<Complex, 18, 1>::Zero();
+    for (int k = 0; k < term.right.size(); ++k)  // most are zero
+        if (term.right[k] != 0) along += term.right[k] * products_[i].row(k).transpose();
+    const Complex all = along.head<12>().cwiseProduct(term.left).sum();
+    const Complex mount = along.tail<6>().cwiseProduct(term.left.head<6>()).sum();
+    return {mount, all - mount};
+}
+
 ColumnNoise::Slope ColumnNoise::calcSlope(const Column& column) const {
     Slope sum = Slope::Zero();
     if (!column) return sum;
     for (std::size_t i = 0; i < products_.size(); ++i) {
         const Eigen::Index b = static_cast<Eigen::Index>(i) * slope_step_;
-        const Product& product = products_[i];
-        for (const Term& term : column(b)) {
-            Eigen::Matrix<Complex, 18, 1> along = Eigen::Matrix<Complex, 18, 1>::Zero();
-            for (int k = 0; k < term.right.size(); ++k)  // most are zero
-                if (term.right[k] != 0) along += term.right[k] * product.row(k).transpose();
-            const double all = along.head<12>().cwiseProduct(term.left).sum().real();
-            const double mount = along.tail<6>().cwiseProduct(term.left.head<6>()).sum().real();
-            sum.col(bandOf(b)) += 2 * Eigen::Vector2d(mount, all - mount);
-        }
+        for (const Term& term : column(b)) sum.col(bandOf(b)) += 2 * calcProduct(i, term).real();
     }
     return sum;
 }
 
-ColumnNoise::Slope ColumnNoise::calcSlope(const SensorEffect& effect) const {
+ColumnNoise::Slope ColumnNoise::calcSlope(const LawChange& change) const {
     Slope sum = Slope::Zero();
-    const auto& products = motion_products_[effect.part == Part::mobile ? 0 : 1];
+    if (!change.stiffness) return sum;
+    const auto& products = axis_products_[3 * static_cast<std::size_t>(change.connection) + change.axis];
+    for (std::size_t i = 0; i < products.size(); ++i) {
+        const Eigen::Index b = static_cast<Eigen::Index>(i) * slope_step_;
+        sum.col(bandOf(b)) += 2 * ((*change.stiffness)[b] * products[i]).real();
+    }
+    return sum;
+}
+
+const ColumnNoise::WeightedProducts& ColumnNoise::calcWeighted(const std::shared_ptr<const Eigen::VectorXcd>& weight,
+                                                               Part part) {
+    const auto [place, added] = weighted_.try_emplace({weight.get(), part});
+    WeightedProducts& sums = place->second;
+    if (!added) return sums;
+    sums.weight = weight;
+    sums.bands.fill(MotionProduct::Zero());
+    const auto& products = motion_products_[part == Part::mobile ? 0 : 1];
+    for (std::size_t i = 0; i < products.size(); ++i) {
+        const Eigen::Index b = static_cast<Eigen::Index>(i) * slope_step_;
+        sums.bands[bandOf(b)] += (*weight)[b] * products[i];
+    }
+    return sums;
+}
+
+ColumnNoise::Slope ColumnNoise::calcSlope(const SensorEffect& effect) {
+    Slope sum = Slope::Zero();
     for (const auto& change : effect.changes) {
         const Eigen::Matrix<Complex, 1, 6> signal = change.signal.transpose().cast<Complex>();
         const Eigen::Matrix<Complex, 6, 1> direction = change.direction.cast<Complex>();
-        for (std::size_t i = 0; i < products.size(); ++i) {
-            const Eigen::Index b = static_cast<Eigen::Index>(i) * slope_step_;
-            const Eigen::Matrix<Complex, 1, 12> along = signal * products[i];
+        const WeightedProducts& products = calcWeighted(change.weight, effect.part);
+        for (int band = 0; band < kLevelBands; ++band) {
+            const Eigen::Matrix<Complex, 1, 12> along = signal * products.bands[band];
             const Complex all = (along.leftCols<6>() * direction).value();
             const Complex mount = (along.rightCols<6>() * direction).value();
-            const Eigen::Vector2cd own(mount, all - mount);
-            sum.col(bandOf(b)) -= 2 * (change.weight[b] * own).real();
+            sum.col(band) -= 2 * Eigen::Vector2cd(mount, all - mount).real();
         }
     }
     return sum;

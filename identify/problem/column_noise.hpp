@@ -14,7 +14,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <functional>
+#include <map>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "identify/problem/linearised_run.hpp"
@@ -45,7 +49,12 @@ public:
                 const Eigen::MatrixXcd& residual);
 
     /// A change of an axis' law: by its equivalent dynamic stiffness.
-    Column makeLaw(const TestState& from, const TestState& to, int connection, int axis, double step) const;
+    struct LawChange {
+        int connection, axis;
+        std::shared_ptr<const Eigen::VectorXcd> stiffness;  ///< at each bin; null: none
+    };
+    LawChange calcLawChange(const TestState& from, const TestState& to, int connection, int axis, double step) const;
+    Column makeLaw(const LawChange& change) const;
     Column makePosition(int connection, int moved) const;
     /// A change of the mass matrix, or of what multiplies the angular velocity in the moments.
     Column makeInertia(const Matrix6& dM, const Eigen::Matrix3d& gyroscopic) const;
@@ -58,8 +67,10 @@ public:
     Column makeSensor(const SensorEffect& effect) const;
 
     Slope calcSlope(const Column& column) const;
+    /// Of makeLaw(change).
+    Slope calcSlope(const LawChange& change) const;
     /// Of makeSensor(effect).
-    Slope calcSlope(const SensorEffect& effect) const;
+    Slope calcSlope(const SensorEffect& effect);
     /// By the noise that an axis' stiffness beyond its mean spreads over all frequencies: R holds its power times d dᵀ,
     /// which a change of the law moves as the square of that stiffness.
     Slope calcContactSlope(const TestState& from, const TestState& to, int connection, int axis, double step) const;
@@ -69,6 +80,8 @@ public:
 
 private:
     Eigen::Index bandOf(Eigen::Index b) const { return b * kLevelBands / spectra_.binCount(); }
+    /// Of a term at the i-th product: of the mount's rows, of the bracket's, complex.
+    Eigen::Vector2cd calcProduct(std::size_t i, const Term& term) const;
 
     const OpenLoopRun& open_;
     const MountModel& model_;
@@ -85,6 +98,15 @@ private:
     /// beside those of the mount: of the mobile part, of the fixed part.
     using MotionProduct = Eigen::Matrix<std::complex<double>, 6, 12>;
     std::vector<MotionProduct, Eigen::aligned_allocator<MotionProduct>> motion_products_[2];
+    /// Sums of those, in each band, with a weight that many changes of channels share.
+    struct WeightedProducts {
+        std::shared_ptr<const Eigen::VectorXcd> weight;  // kept, so that its address stays its own
+        std::array<MotionProduct, kLevelBands> bands;
+    };
+    const WeightedProducts& calcWeighted(const std::shared_ptr<const Eigen::VectorXcd>& weight, Part part);
+    std::map<std::pair<const Eigen::VectorXcd*, Part>, WeightedProducts> weighted_;
+    /// calcProduct of a unit stiffness along each axis: bins of the slopes x axes.
+    std::vector<std::vector<Eigen::Vector2cd>> axis_products_;
 };
 
 }  // namespace wems::identify

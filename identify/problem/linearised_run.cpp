@@ -129,7 +129,9 @@ public:
     void addLaw(Eigen::Index column, const Unknown& row, const TestState& from, const TestState& to, double step) {
         Eigen::VectorXd burst;
         addWhite(column, at_.calcLawColumn(from, to, row.first, row.second, step, burst));
-        setNoise(column, noise_.makeLaw(from, to, row.first, row.second, step));
+        const auto change = noise_.calcLawChange(from, to, row.first, row.second, step);
+        slopes_[column] = noise_.calcSlope(change);
+        noisy_[column] = noise_.makeLaw(change);
         slopes_[column] += noise_.calcContactSlope(from, to, row.first, row.second, step);
         if (burst.size() > 0) bursts_[3 * row.first + row.second].emplace_back(column, std::move(burst));
     }

@@ -70,8 +70,23 @@ SensorColumns::SensorColumns(const TestRun& test, const SensorLayout& layout, co
         groups_.push_back(std::move(group));
     }
     changes_.resize(table.size());
-    for (std::size_t i = 0; i < table.size(); ++i)
-        if (isSensor(table[i].kind) && (wanted.empty() || wanted[i] != 0)) changes_[i] = calcChanges(table[i]);
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        if (!isSensor(table[i].kind) || !(wanted.empty() || wanted[i] != 0)) continue;
+        changes_[i] = calcChanges(table[i]);
+        for (const Change& change : changes_[i]) addWeight(change.group, table[i].kind);
+    }
+}
+
+void SensorColumns::addWeight(std::size_t group, UnknownKind kind) {
+    std::shared_ptr<const Eigen::VectorXcd>& weight = weights_[{group, kind}];
+    if (weight) return;
+    const bool displacement = groups_[group].derivative == Derivative::displacement;
+    Eigen::VectorXcd values(spectra_.binCount());
+    for (Eigen::Index b = 0; b < values.size(); ++b) {
+        const double w = spectra_.angular(b);
+        values[b] = calcWeight(groups_[group], w) * calcTransfer(kind, w) * (displacement ? 1.0 : -w * w);
+    }
+    weight = std::make_shared<const Eigen::VectorXcd>(std::move(values));
 }
 
 double SensorColumns::calcWeight(const Group& group, double w) const {
@@ -160,16 +175,14 @@ SensorEffect SensorColumns::calcEffect(std::size_t row, bool with_series) const 
     const Unknown& unknown = table_[row];
     for (const Change& change : changes_[row]) {
         const Group& group = groups_[change.group];
-        const Eigen::Index bins = change.spectrum.size();
         effect.part = group.part;
-        SensorEffect::ChannelChange own{
-            change.signal, group.inverse.col(change.channel), Eigen::VectorXcd(bins), Eigen::VectorXcd(bins), {}};
-        const bool displacement = group.derivative == Derivative::displacement;
-        for (Eigen::Index b = 0; b < bins; ++b) {
-            const double w = spectra_.angular(b), weight = calcWeight(group, w);
-            own.spectrum[b] = -weight * change.spectrum[b];
-            own.weight[b] = weight * calcTransfer(unknown.kind, w) * (displacement ? 1.0 : -w * w);
-        }
+        SensorEffect::ChannelChange own{change.signal,
+                                        group.inverse.col(change.channel),
+                                        weights_.at({change.group, unknown.kind}),
+                                        Eigen::VectorXcd(change.spectrum.size()),
+                                        {}};
+        for (Eigen::Index b = 0; b < own.spectrum.size(); ++b)
+            own.spectrum[b] = -calcWeight(group, spectra_.angular(b)) * change.spectrum[b];
         if (with_series) own.series = -calcSeries(unknown, change);
         effect.changes.push_back(std::move(own));
     }

@@ -7,6 +7,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "identify/problem/information.hpp"
@@ -19,9 +22,11 @@ namespace wems::identify {
 struct SensorEffect {
     /// Of one channel: the motion moves by `spectrum`, or `series`, along `direction`.
     struct ChannelChange {
-        Vector6 signal;             ///< by which the channel's change follows from the motion
-        Vector6 direction;          ///< in which the channel moves the fused motion
-        Eigen::VectorXcd weight;    ///< at each bin: what of signal · motion enters the motion
+        Vector6 signal;     ///< by which the channel's change follows from the motion
+        Vector6 direction;  ///< in which the channel moves the fused motion
+        /// At each bin: what of signal · motion enters the motion. One for all channels of a kind under errors of a
+        /// kind.
+        std::shared_ptr<const Eigen::VectorXcd> weight;
         Eigen::VectorXcd spectrum;  ///< tapered, at each bin
         Eigen::RowVectorXd series;  ///< of all samples; empty unless asked for
     };
@@ -84,6 +89,9 @@ private:
     /// What the noise of a channel's reading adds to the slope of its gain in the mean, in the sensors' own equations.
     Eigen::MatrixXd calcGainSlopes(const std::vector<std::size_t>& groups, Eigen::Index size) const;
 
+    /// What a channel of a group, changed by an error of a kind, enters the motion with.
+    void addWeight(std::size_t group, UnknownKind kind);
+
     const SensorLayout& layout_;
     const OpenLoopRun& run_;
     const EquationSpectra& spectra_;
@@ -92,6 +100,7 @@ private:
     Fourier fourier_;
     std::vector<Group> groups_;
     std::vector<std::vector<Change>> changes_;  // of each row of the table
+    std::map<std::pair<std::size_t, UnknownKind>, std::shared_ptr<const Eigen::VectorXcd>> weights_;
 };
 
 }  // namespace wems::identify

@@ -19,22 +19,26 @@ constexpr double kDriven = 1e-3;  // share of the strongest direction's power fr
 /// Point that moves as the load point does in all modes: load = u + r × p, by least squares.
 struct LoadPoint {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    Eigen::Vector3d scatter = Eigen::Vector3d::Zero();  // RMS of what the modes' load points leave
     bool rigid = false;
 };
 
 LoadPoint findLoadPoint(const std::vector<BracketMode>& modes) {
     Eigen::MatrixXd crosses(3 * modes.size(), 3);
     Eigen::VectorXd right(crosses.rows());
-    double load = 0;
+    double load = 0, shaped = 0;
     for (std::size_t j = 0; j < modes.size(); ++j) {
         const Eigen::Index row = 3 * j;
         crosses.middleRows<3>(row) = crossMatrix(modes[j].rotation);
         right.segment<3>(row) = modes[j].load_translation - modes[j].translation;
         load += modes[j].load_translation.squaredNorm();
+        if (!modes[j].load_translation.isZero(0.0)) ++shaped;
     }
     LoadPoint point;
     point.position = crosses.completeOrthogonalDecomposition().solve(right);
-    point.rigid = (crosses * point.position - right).squaredNorm() < kRigid * kRigid * load;
+    const Eigen::VectorXd left = crosses * point.position - right;
+    point.rigid = left.squaredNorm() < kRigid * kRigid * load;
+    if (shaped > 0) point.scatter = (left.reshaped(3, modes.size()).rowwise().squaredNorm() / shaped).cwiseSqrt();
     return point;
 }
 
@@ -98,7 +102,7 @@ struct InputLayout {
 
 }  // namespace
 
-std::optional<BracketMode> findMissingMode(const std::vector<TestRun>& runs, const SensorLayout& layout,
+std::optional<MissingMode> findMissingMode(const std::vector<TestRun>& runs, const SensorLayout& layout,
                                            const TestState& state) {
     std::vector<std::unique_ptr<Lineariser>> at;
     double lowest = std::numeric_limits<double>::infinity(), highest = 0;
@@ -124,7 +128,12 @@ std::optional<BracketMode> findMissingMode(const std::vector<TestRun>& runs, con
                      own->noise().whitener(b).bottomRightCorner<6, 6>(), own->residual().col(b).tail<6>());
     const auto guesses = scan.findBest(1);
     if (guesses.empty()) return std::nullopt;
-    return inputs.makeMode(guesses.front());
+    MissingMode missing{inputs.makeMode(guesses.front()), std::nullopt, inputs.load_point.scatter};
+    if (inputs.load_point.rigid) {
+        missing.load_by_shape.emplace();
+        *missing.load_by_shape << Eigen::Matrix3d::Identity(), -crossMatrix(inputs.load_point.position);
+    }
+    return missing;
 }
 
 }  // namespace wems::identify

@@ -49,6 +49,24 @@ double calcModeReach(const BracketMode& mode, const Unknown& row) {
     return own > 0 ? own : row.reach;
 }
 
+/// How a number of a missing mode may move, and what moves along.
+/// @param index of its row; rows of a mode's shape follow each other
+Direction makeModeDirection(const MissingMode& missing, const Unknown& row, int index) {
+    constexpr int kLoad = 6;  // entries of the interface before those of the load
+    const int entry = row.second;
+    if (row.kind != UnknownKind::shape || !missing.load_by_shape || entry >= kLoad + 3) return {{index, row.reach}};
+    if (entry >= kLoad) {
+        const double scatter = missing.load_scatter[entry - kLoad];
+        return scatter > 0 ? Direction{{index, scatter}} : Direction{};
+    }
+    Direction direction{{index, row.reach}};
+    for (int a = 0; a < 3; ++a) {
+        const double follows = (*missing.load_by_shape)(a, entry);
+        if (follows != 0) direction.emplace_back(index - entry + kLoad + a, follows * row.reach);
+    }
+    return direction;
+}
+
 bool isDormant(const BracketMode& mode) {
     return mode.translation.isZero(0.0) && mode.rotation.isZero(0.0);
 }
@@ -234,7 +252,7 @@ void TestProblem::seekMissingMode(const TestPoint& point, const HypothesisSet& s
     const auto found = findMissingMode(correctRuns(point), layout_, point.state);
     if (!found) return;
     TestState with = point.state;
-    with.model.bracket.back() = *found;
+    with.model.bracket.back() = found->mode;
     const int dormant = static_cast<int>(with.model.bracket.size()) - 1;
     Hypothesis& hypothesis = catalogue_.hypotheses[catalogue_.missing_mode];
     hypothesis.start.clear();
@@ -245,8 +263,9 @@ void TestProblem::seekMissingMode(const TestPoint& point, const HypothesisSet& s
         if (row.first != dormant || (row.kind != UnknownKind::mode && row.kind != UnknownKind::shape)) continue;
         const int index = static_cast<int>(i);
         hypothesis.start.emplace_back(index, row.get(with));
-        row.reach = calcModeReach(*found, row);
-        hypothesis.tangent.push_back({{index, row.reach}});
+        row.reach = calcModeReach(found->mode, row);
+        if (Direction direction = makeModeDirection(*found, row, index); !direction.empty())
+            hypothesis.tangent.push_back(std::move(direction));
         if (row.kind == UnknownKind::mode || row.second < 6) hypothesis.reported.push_back(index);
     }
     catalogue_.columns.probes[catalogue_.missing_mode_probe].preset = hypothesis.start;
