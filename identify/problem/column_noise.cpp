@@ -63,6 +63,12 @@ ColumnNoise::ColumnNoise(const OpenLoopRun& run, const MountModel& model, const 
             motion_products_[part].push_back(all);
         }
     }
+    for (std::size_t i = 0; !model_.bracket.empty() && i < products_.size(); ++i) {
+        const Eigen::Index b = static_cast<Eigen::Index>(i) * slope_step_;
+        // The whitener is lower triangular: what the bracket's equation leaves moves no row of the mount.
+        mode_products_.emplace_back(calcModeInputs(b) * products_[i].leftCols<12>() *
+                                    noise_->whitener(b).rightCols<6>());
+    }
     for (std::size_t row = 0; row < 3 * model_.connections.size(); ++row) {
         const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
         auto& own = axis_products_.emplace_back();
@@ -127,31 +133,41 @@ ColumnNoise::Column ColumnNoise::makeInertia(const Matrix6& dM, const Eigen::Mat
     };
 }
 
-ColumnNoise::Column ColumnNoise::makeMode(int mode, int which) const {
-    return [this, mode, which](Eigen::Index b) {
-        const BracketMode& own = model_.bracket[mode];
-        const Vector6 shape = calcShape(own);
-        const double w = spectra_.angular(b), w0 = kTwoPi * own.frequency;
-        const Complex h = calcModalResponse(own, w);
+std::vector<ColumnNoise::Outer> ColumnNoise::calcOuters(const ModeChange& change, Eigen::Index b) const {
+    const BracketMode& own = model_.bracket[change.mode];
+    const Vector6 shape = calcShape(own);
+    const double w = spectra_.angular(b), w0 = kTwoPi * own.frequency;
+    const Complex h = calcModalResponse(own, w);
+    Eigen::Matrix<double, 9, 1> input;
+    input << shape, own.load_translation;
+    if (change.which == 0) return {{-h * h * Complex(2 * w0, 2 * own.damping_ratio * w) * kTwoPi, shape, input}};
+    if (change.which == 1) return {{-h * h * Complex(0, 2 * w0 * w), shape, input}};
+    const int entry = change.which - 2;
+    if (entry >= 9) return {};  // the base's acceleration has no noise here
+    const Outer by_input{h, shape, Eigen::Matrix<double, 9, 1>::Unit(entry)};
+    if (entry >= 6) return {by_input};
+    return {{h, Vector6::Unit(entry), input}, by_input};
+}
+
+Eigen::Matrix<double, 9, 15> ColumnNoise::calcModeInputs(Eigen::Index b) const {
+    const double w = spectra_.angular(b);
+    Eigen::Matrix<double, 9, 15> inputs = Eigen::Matrix<double, 9, 15>::Zero();
+    inputs.topLeftCorner<6, 6>() = w * w * M_;
+    // With a load point of the model's own the bracket's is not loaded.
+    if (model_.load_point)
+        inputs.topRightCorner<6, 3>() = calcLoadArm(*model_.load_point);
+    else
+        inputs.bottomRightCorner<3, 3>().setIdentity();
+    return inputs;
+}
+
+ColumnNoise::Column ColumnNoise::makeMode(const ModeChange& change) const {
+    return [this, change](Eigen::Index b) {
         Terms terms;
-        const auto addOuter = [&](Complex factor, const Vector6& a, const Vector6& c, const Eigen::Vector3d& c_load) {
-            Vector15 right = Vector15::Zero();
-            right.head<6>() = w * w * (M_ * c);
-            right.tail<3>() = c_load;
-            if (model_.load_point) right.tail<3>() = calcLoadArm(*model_.load_point).transpose() * c;
-            terms.push_back({factor * (noise_->whitener(b).rightCols<6>() * a.cast<Complex>()), right});
-        };
-        if (which == 0)
-            addOuter(-h * h * Complex(2 * w0, 2 * own.damping_ratio * w) * kTwoPi, shape, shape, own.load_translation);
-        else if (which == 1)
-            addOuter(-h * h * Complex(0, 2 * w0 * w), shape, shape, own.load_translation);
-        else if (which < 8) {
-            const Vector6 e = Vector6::Unit(which - 2);
-            addOuter(h, e, shape, own.load_translation);
-            addOuter(h, shape, e, Eigen::Vector3d::Zero());
-        } else if (which < 11) {
-            addOuter(h, shape, Vector6::Zero(), Eigen::Vector3d::Unit(which - 8));
-        }  // the base's acceleration has no noise here
+        const auto inputs = calcModeInputs(b);
+        for (const Outer& outer : calcOuters(change, b))
+            terms.push_back({outer.factor * (noise_->whitener(b).rightCols<6>() * outer.a.cast<Complex>()),
+                             inputs.transpose() * outer.c});
         return terms;
     };
 }
@@ -208,6 +224,17 @@ ColumnNoise::Slope ColumnNoise::calcSlope(const LawChange& change) const {
     for (std::size_t i = 0; i < products.size(); ++i) {
         const Eigen::Index b = static_cast<Eigen::Index>(i) * slope_step_;
         sum.col(bandOf(b)) += 2 * ((*change.stiffness)[b] * products[i]).real();
+    }
+    return sum;
+}
+
+ColumnNoise::Slope ColumnNoise::calcSlope(const ModeChange& change) const {
+    Slope sum = Slope::Zero();
+    for (std::size_t i = 0; i < mode_products_.size(); ++i) {
+        const Eigen::Index b = static_cast<Eigen::Index>(i) * slope_step_;
+        for (const Outer& outer : calcOuters(change, b))
+            sum(1, bandOf(b)) +=
+                2 * (outer.factor * (outer.c.transpose() * (mode_products_[i] * outer.a)).value()).real();
     }
     return sum;
 }

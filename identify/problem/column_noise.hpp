@@ -59,8 +59,10 @@ public:
     /// A change of the mass matrix, or of what multiplies the angular velocity in the moments.
     Column makeInertia(const Matrix6& dM, const Eigen::Matrix3d& gyroscopic) const;
     /// A mode: at each bin its change is Σ a cᵀ of the interface's receptance and Σ a c_Lᵀ of the load's.
-    /// @param which 0 frequency, 1 damping ratio, 2 + entry of the shape
-    Column makeMode(int mode, int which) const;
+    struct ModeChange {
+        int mode, which;  ///< which: 0 frequency, 1 damping ratio, 2 + entry of the shape
+    };
+    Column makeMode(const ModeChange& change) const;
     /// @param axis of the load whose gain it is; 3: of all
     Column makeLoad(double factor, int axis) const;
     /// A sensor's error: each channel's change follows from the motion and moves it.
@@ -69,6 +71,8 @@ public:
     Slope calcSlope(const Column& column) const;
     /// Of makeLaw(change).
     Slope calcSlope(const LawChange& change) const;
+    /// Of makeMode(change).
+    Slope calcSlope(const ModeChange& change) const;
     /// Of makeSensor(effect).
     Slope calcSlope(const SensorEffect& effect);
     /// By the noise that an axis' stiffness beyond its mean spreads over all frequencies: R holds its power times d dᵀ,
@@ -80,6 +84,15 @@ public:
 
 private:
     Eigen::Index bandOf(Eigen::Index b) const { return b * kLevelBands / spectra_.binCount(); }
+    /// factor (a cᵀ of the interface, a c_Lᵀ of the load): c above c_L.
+    struct Outer {
+        std::complex<double> factor;
+        Vector6 a;
+        Eigen::Matrix<double, 9, 1> c;
+    };
+    std::vector<Outer> calcOuters(const ModeChange& change, Eigen::Index bin) const;
+    /// What c above c_L meets of motion and load: 9 x 15.
+    Eigen::Matrix<double, 9, 15> calcModeInputs(Eigen::Index bin) const;
     /// Of a term at the i-th product: of the mount's rows, of the bracket's, complex.
     Eigen::Vector2cd calcProduct(std::size_t i, const Term& term) const;
 
@@ -105,6 +118,9 @@ private:
     };
     const WeightedProducts& calcWeighted(const std::shared_ptr<const Eigen::VectorXcd>& weight, Part part);
     std::map<std::pair<const Eigen::VectorXcd*, Part>, WeightedProducts> weighted_;
+    /// cᵀ (product) a is what an outer product adds to s, of the bracket's rows.
+    using ModeProduct = Eigen::Matrix<std::complex<double>, 9, 6>;
+    std::vector<ModeProduct, Eigen::aligned_allocator<ModeProduct>> mode_products_;
     /// calcProduct of a unit stiffness along each axis: bins of the slopes x axes.
     std::vector<std::vector<Eigen::Vector2cd>> axis_products_;
 };

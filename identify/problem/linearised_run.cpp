@@ -178,12 +178,12 @@ public:
                 case UnknownKind::mode:
                     if (!at_.hasBracket()) break;
                     addBracket(column, at_.calcModeColumn(row.first, row.second));
-                    setNoise(column, noise_.makeMode(row.first, row.second));
+                    setNoise(column, ColumnNoise::ModeChange{row.first, row.second});
                     break;
                 case UnknownKind::shape:
                     if (!at_.hasBracket()) break;
                     addBracket(column, at_.calcShapeColumn(row.first, row.second));
-                    setNoise(column, noise_.makeMode(row.first, 2 + row.second));
+                    setNoise(column, ColumnNoise::ModeChange{row.first, 2 + row.second});
                     break;
                 case UnknownKind::load:
                     if (at_.run().load.cols() > 0)
@@ -232,6 +232,10 @@ public:
     void setNoise(Eigen::Index column, ColumnNoise::Column noise) {
         slopes_[column] = noise_.calcSlope(noise);
         noisy_[column] = std::move(noise);
+    }
+    void setNoise(Eigen::Index column, const ColumnNoise::ModeChange& change) {
+        slopes_[column] = noise_.calcSlope(change);
+        noisy_[column] = noise_.makeMode(change);
     }
     void setNoise(Eigen::Index column, const SensorEffect& effect) {
         slopes_[column] = noise_.calcSlope(effect);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -21,6 +22,7 @@ struct LoadPoint {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     Eigen::Vector3d scatter = Eigen::Vector3d::Zero();  // RMS of what the modes' load points leave
     bool rigid = false;
+    bool determined = false;  // the modes turn enough to tell where it is
 };
 
 LoadPoint findLoadPoint(const std::vector<BracketMode>& modes) {
@@ -35,10 +37,15 @@ LoadPoint findLoadPoint(const std::vector<BracketMode>& modes) {
         if (!modes[j].load_translation.isZero(0.0)) ++shaped;
     }
     LoadPoint point;
-    point.position = crosses.completeOrthogonalDecomposition().solve(right);
+    const auto decomposition = crosses.completeOrthogonalDecomposition();
+    point.position = decomposition.solve(right);
+    point.determined = decomposition.rank() == 3;
     const Eigen::VectorXd left = crosses * point.position - right;
     point.rigid = left.squaredNorm() < kRigid * kRigid * load;
-    if (shaped > 0) point.scatter = (left.reshaped(3, modes.size()).rowwise().squaredNorm() / shaped).cwiseSqrt();
+    // Below that it is round-off of the solution, and no freedom.
+    const double rounding = std::sqrt(std::numeric_limits<double>::epsilon() * load);
+    if (left.norm() > rounding)
+        point.scatter = (left.reshaped(3, modes.size()).rowwise().squaredNorm() / shaped).cwiseSqrt();
     return point;
 }
 
@@ -129,7 +136,7 @@ std::optional<MissingMode> findMissingMode(const std::vector<TestRun>& runs, con
     const auto guesses = scan.findBest(1);
     if (guesses.empty()) return std::nullopt;
     MissingMode missing{inputs.makeMode(guesses.front()), std::nullopt, inputs.load_point.scatter};
-    if (inputs.load_point.rigid) {
+    if (inputs.load_point.rigid && inputs.load_point.determined) {
         missing.load_by_shape.emplace();
         *missing.load_by_shape << Eigen::Matrix3d::Identity(), -crossMatrix(inputs.load_point.position);
     }

@@ -27,6 +27,12 @@ std::vector<double> listBelieved(const TestProblem& problem) {
     return believed;
 }
 
+/// How far a mode's load point is from moving with the interface as the random devices' modes do, over its motion.
+double calcLoadError(const BracketMode& mode) {
+    const Eigen::Vector3d p(0.01, 0.02, 0);  // hidden_device.cpp
+    return (mode.load_translation - mode.translation - mode.rotation.cross(p)).norm() / mode.load_translation.norm();
+}
+
 }  // namespace
 
 TEST_CASE("A hypothesis that leaves the set takes with it what its adoption had set", "[updating]") {
@@ -75,6 +81,37 @@ TEST_CASE("A missing mode is sought once, and is one statement beside those of t
         if (isOfBracket(all[h])) statements.push_back(signatureOf(problem, {h}));
     std::sort(statements.begin(), statements.end());
     CHECK(std::adjacent_find(statements.begin(), statements.end()) == statements.end());
+}
+
+TEST_CASE("The load moves a missing mode where its point is in the others, whatever is not known of its shape",
+          "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    TestProblem problem = makeProblem(random);
+    problem.seekMissingMode(problem.believedPoint(), {});
+    const auto& all = problem.hypotheses();
+    const int dormant = static_cast<int>(problem.believedPoint().state.model.bracket.size()) - 1;
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Hypothesis& own) {
+        return !own.start.empty() && problem.table()[own.start.front().first].kind == UnknownKind::mode &&
+               problem.table()[own.start.front().first].first == dormant;
+    });
+    REQUIRE(found != all.end());
+    TestState state = problem.believedPoint().state;
+    for (const auto& [row, value] : found->start) problem.table()[row].set(state, value);
+    CHECK(calcLoadError(state.model.bracket.back()) < 1e-9);
+    int shapes = 0;
+    for (const Direction& direction : found->tangent) {
+        TestState moved = state;
+        for (const auto& [row, weight] : direction) {
+            const Unknown& unknown = problem.table()[row];
+            unknown.set(moved, unknown.get(moved) + weight);
+        }
+        const BracketMode &before = state.model.bracket.back(), &after = moved.model.bracket.back();
+        if (after.translation != before.translation || after.rotation != before.rotation) ++shapes;
+        CHECK(calcLoadError(after) < 1e-9);
+    }
+    CHECK(shapes == 6);
 }
 
 TEST_CASE("A stop is sought from as near as its probe, and what a set does not move is as believed", "[updating]") {
