@@ -55,10 +55,21 @@ std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> calcDensities(const Open
     return densities;
 }
 
+/// How the load's axes go together, 1 on the diagonal of those that are loaded. What its gain has wrong is wrong along
+/// the load: across it nothing is, and a number that only what acts there would tell is not known.
+Eigen::Matrix3d calcLoadCorrelation(const OpenLoopRun& run) {
+    if (run.load.cols() == 0) return Eigen::Matrix3d::Zero();
+    const Eigen::Matrix3Xd load = run.load * run.taper.asDiagonal();
+    const Eigen::Matrix3d power = load * load.transpose();
+    const Eigen::Vector3d size = power.diagonal().cwiseSqrt();
+    const Eigen::Vector3d inverse = (size.array() > 0).select(size.cwiseInverse(), 0.0);
+    return inverse.asDiagonal() * power * inverse.asDiagonal();
+}
+
 /// Square root of a covariance that may be singular.
-Eigen::MatrixXcd calcRoot(const Matrix12c& covariance) {
-    const Eigen::MatrixXcd any_size = covariance;  // whose decomposition is compiled already (eigen_instances.hpp)
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(any_size);
+/// @param covariance of dynamic size, whose decomposition is compiled already (eigen_instances.hpp)
+Eigen::MatrixXcd calcRoot(const Eigen::MatrixXcd& covariance) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(covariance);
     return solver.eigenvectors() *
            solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().cast<std::complex<double>>().asDiagonal();
 }
@@ -181,6 +192,7 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
     const Eigen::MatrixXd motion_power = spectra.calcPower(poses);
     const Eigen::MatrixXd load_power =
         run.load.cols() > 0 ? spectra.calcPower(run.load) : Eigen::MatrixXd::Zero(3, spectra.binCount());
+    const Eigen::Matrix3d load_correlation = calcLoadCorrelation(run);
     const double gain = spectra.noiseGain(), part = kDiscrepancy * kDiscrepancy;
     std::optional<Eigen::Matrix<double, 6, 3>> load_arm;
     if (model.load_point) load_arm = calcLoadArm(*model.load_point);
@@ -218,7 +230,7 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
         A.topLeftCorner<6, 6>() = stiffness - (w * w * M).cast<std::complex<double>>();
         A.topRightCorner<6, 6>() = -stiffness;
         Matrix6c receptance = Matrix6c::Zero();
-        double load_variance = 0;
+        Eigen::Matrix3d load_covariance = Eigen::Matrix3d::Zero();
         Eigen::Matrix<std::complex<double>, 12, 3> by_load = Eigen::Matrix<std::complex<double>, 12, 3>::Zero();
         if (load_arm && model.load_point->part == Part::mobile)
             by_load.topRows<6>() = -load_arm->cast<std::complex<double>>();
@@ -236,8 +248,10 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
             A.bottomRightCorner<6, 6>() = -Matrix6c::Identity();
         }
         if (run.load.cols() > 0) {
-            load_variance = gain * test.load_noise.at(w / kTwoPi) + part * load_power.col(b).maxCoeff();
-            S += load_variance * by_load * by_load.adjoint();
+            const Eigen::Vector3d wrong = (part * load_power.col(b)).cwiseSqrt();
+            load_covariance = wrong.asDiagonal() * load_correlation * wrong.asDiagonal();
+            load_covariance.diagonal().array() += gain * test.load_noise.at(w / kTwoPi);
+            S += by_load * load_covariance * by_load.adjoint();
         }
         const Matrix12c PA = P * A.adjoint();
         S += A * PA;
@@ -268,13 +282,13 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
         const Matrix12c& inverse = whiteners_.back();
         regressors_.push_back(PA * inverse.adjoint());
         motions_.push_back(inverse * A);
-        load_noises_.push_back(load_variance * by_load.adjoint() * inverse.adjoint());
+        load_noises_.push_back(load_covariance * by_load.adjoint() * inverse.adjoint());
         loads_.push_back(inverse * by_load);
         receptances_.push_back(receptance);
         if (b % every != every / 2) continue;
         Sample sample{b, static_cast<double>(every), Eigen::Matrix<std::complex<double>, 15, 15>::Zero()};
         sample.root.topLeftCorner<12, 12>() = calcRoot(P);
-        sample.root.bottomRightCorner<3, 3>().diagonal().setConstant(std::sqrt(load_variance));
+        sample.root.bottomRightCorner<3, 3>() = calcRoot(load_covariance.cast<std::complex<double>>());
         samples_.push_back(sample);
     }
 }

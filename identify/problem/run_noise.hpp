@@ -15,7 +15,9 @@
 ///
 /// P_m, P_f and S_l hold a discrepancy beside the noise, for what is neither noise nor parameter: a small fraction of
 /// the motion's and the load's own spectra, never zero (Kennedy and O'Hagan 2001, doi:10.1111/1467-9868.00294). Carried
-/// through the equations like noise, it scales with the model's forces as they do.
+/// through the equations like noise, it scales with the model's forces as they do. That of the load acts along the
+/// load: with one across it, participation across the load grew until the prior stopped it, as the misfit falls where R
+/// grows.
 #pragma once
 
 #include <Eigen/Core>

@@ -128,3 +128,28 @@ TEST_CASE("Columns have the slope of the misfit, with a mode at the end of the s
     }
     CHECK(tried > 10);
 }
+
+// Nothing acts across the load, and nothing is wrong there: how the modes take part in that changes no misfit, so that
+// the prior alone says what it is. The load of these recordings has no noise; a hundredth of it counts as much along
+// it.
+TEST_CASE("What would act across the load changes no misfit", "[linearised run]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const MountModel model = identify::testing::makeRandomDevice(random);
+    identify::testing::RunPlan plan;
+    plan.duration = 4;
+    plan.force = {20, 30, 120};
+    const TestProblem problem({recordRun(model, plan, random)}, {}, model);
+    constexpr std::size_t bracket = indexOf(Block::bracket);
+    const auto calcSquares = [&](const Eigen::Vector3d& participation) {
+        TestPoint point = problem.believedPoint();
+        for (BracketMode& mode : point.state.model.bracket)
+            mode.load_translation += mode.load_translation.norm() * participation;
+        return problem.misfit(point).identification[bracket].chi_squared;
+    };
+    const Eigen::Vector3d along = plan.force.normalized(), across = along.unitOrthogonal();
+    const double here = calcSquares(Eigen::Vector3d::Zero());
+    CHECK(calcSquares(across) == Approx(here).epsilon(1e-6));
+    CHECK(calcSquares(0.01 * along) > 1.01 * here);
+}
