@@ -95,20 +95,21 @@ UniformSignal resample(const UniformSignal& signal, double start, double interva
         kept.push_back(calcWeights(kernel, inside, reach, crossing, 2 * inside + 1));
         kept.back().first += static_cast<long>(std::floor(placeOf(k)) - std::ceil(reach));
     }
+    const auto samples = static_cast<long>(signal.values.size());
+    const auto weigh = [&](const std::vector<double>& weights, long first) {
+        return std::inner_product(weights.begin(), weights.end(), signal.values.begin() + first, 0.0);
+    };
     for (std::size_t k = 0; k < count; ++k) {
         if (repeats) {
             const SincWeights& weights = kept[k % phases];
             const long first = weights.first + static_cast<long>(k / phases);
-            if (first >= 0 &&
-                first + static_cast<long>(weights.values.size()) <= static_cast<long>(signal.values.size())) {
-                result.values[k] = std::inner_product(weights.values.begin(), weights.values.end(),
-                                                      signal.values.begin() + first, 0.0);
+            if (first >= 0 && first + static_cast<long>(weights.values.size()) <= samples) {
+                result.values[k] = weigh(weights.values, first);
                 continue;
             }
         }
         const SincWeights weights = calcWeights(kernel, placeOf(k), reach, crossing, last);
-        result.values[k] = std::inner_product(weights.values.begin(), weights.values.end(),
-                                              signal.values.begin() + weights.first, 0.0);
+        result.values[k] = weigh(weights.values, weights.first);
     }
     return result;
 }

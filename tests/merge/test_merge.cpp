@@ -57,6 +57,23 @@ TEST_CASE("What is in the band passes, what is above half of the new rate is gon
     }
 }
 
+// Four values on each sample have weights that come again; one by one, at another interval, none has.
+TEST_CASE("A signal on a finer grid has the values of each time by itself, to its ends") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    UniformSignal signal{0.25, 1e-3, {}};
+    for (int k = 0; k < 200; ++k) signal.values.push_back(normal(random));
+    const double start = 0.25 + 0.3e-3;
+    const UniformSignal fine = resample(signal, start, 0.25e-3, 790);
+    for (std::size_t k = 0; k < fine.values.size(); ++k) {
+        const double t = start + fine.interval * static_cast<double>(k);
+        CAPTURE(k);
+        CHECK(fine.values[k] == Approx(resample(signal, t, 0.9e-3, 1).values[0]).margin(1e-9));
+    }
+}
+
 TEST_CASE("Two systems of different rate and clock come together on the first one's") {
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
