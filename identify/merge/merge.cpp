@@ -21,7 +21,9 @@ constexpr double crossings = 32;
 constexpr double beta = 8;
 constexpr double cutoff_share = 0.464;  // of the lower rate: the stop band begins at its half
 constexpr int table_steps = 512;        // for each zero crossing
-constexpr double same_place = 1e-6;     // of a sample: times are alike up to rounding
+// Of a sample: what times may differ by that are alike up to rounding. It moves a value by no more than pi times that
+// of the signal, as nothing lies above half the rate.
+constexpr double same_place = 1e-6;
 
 /// The windowed sinc over |x| in zero crossings, tabulated and linearly interpolated.
 class Kernel {

@@ -130,8 +130,7 @@ TEST_CASE("Columns have the slope of the misfit, with a mode at the end of the s
 }
 
 // Nothing acts across the load, and nothing is wrong there: how the modes take part in that changes no misfit, so that
-// the prior alone says what it is. The load of these recordings has no noise; a hundredth of it counts as much along
-// it.
+// the prior alone says what it is. The load of these recordings has no noise. Along it a hundredth shows.
 TEST_CASE("What would act across the load changes no misfit", "[linearised run]") {
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
