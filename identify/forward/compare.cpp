@@ -7,6 +7,7 @@
 #include "identify/forward/forward_model.hpp"
 #include "identify/motion/motion.hpp"
 #include "identify/motion/spectrum.hpp"
+#include "identify/motion/uniform_sampling.hpp"
 #include "models/common/error.hpp"
 #include "models/common/format_number.hpp"
 

@@ -7,6 +7,7 @@
 #include "identify/motion/part_motion.hpp"
 #include "identify/motion/spectrum.hpp"
 #include "identify/motion/swept_frequency.hpp"
+#include "identify/motion/uniform_sampling.hpp"
 #include "models/bryant.hpp"
 #include "models/common/error.hpp"
 #include "models/mount_forces.hpp"

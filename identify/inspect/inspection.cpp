@@ -8,10 +8,10 @@
 #include "identify/inspect/connection_checks.hpp"
 #include "identify/inspect/order_tracking.hpp"
 #include "identify/inspect/slow_defects.hpp"
-#include "identify/motion/motion.hpp"
 #include "identify/motion/noise_estimate.hpp"
 #include "identify/motion/rigid_fit.hpp"
 #include "identify/motion/rigidity.hpp"
+#include "identify/motion/uniform_sampling.hpp"
 #include "models/common/error.hpp"
 #include "models/common/format_number.hpp"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "identify/inspect/channel_cells.hpp"
-#include "identify/motion/motion.hpp"
+#include "identify/motion/uniform_sampling.hpp"
 #include "models/common/error.hpp"
 #include "models/common/format_number.hpp"
 #include "models/common/units.hpp"

@@ -8,8 +8,8 @@
 #include <memory>
 #include <numeric>
 
-#include "identify/motion/motion.hpp"
 #include "identify/motion/real_transform.hpp"
+#include "identify/motion/uniform_sampling.hpp"
 #include "models/common/error.hpp"
 #include "models/common/units.hpp"
 

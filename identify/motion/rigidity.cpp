@@ -8,6 +8,7 @@
 #include "identify/motion/motion.hpp"
 #include "identify/motion/part_motion.hpp"
 #include "identify/motion/rigid_fit.hpp"
+#include "identify/motion/uniform_sampling.hpp"
 #include "models/common/error.hpp"
 #include "models/common/units.hpp"
 

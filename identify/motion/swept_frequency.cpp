@@ -27,7 +27,7 @@ struct Period {
 };
 
 /// A scalar signal that shows the drive.
-struct Drive {
+struct DriveSignal {
     Eigen::VectorXd signal;
     Eigen::MatrixXd channels;  // samples x channels, of a response only
     std::string source;
@@ -36,7 +36,7 @@ struct Drive {
 };
 
 /// Strongest direction among the channels of the first group that moves at all; empty if none does.
-Drive findDrive(const Recording& recording) {
+DriveSignal findDrive(const Recording& recording) {
     struct Group {
         Part part;
         Derivative derivative;
@@ -64,7 +64,7 @@ Drive findDrive(const Recording& recording) {
         values.rowwise() -= values.colwise().mean().eval();
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver((values.transpose() * values).eval());
         if (!(solver.eigenvalues().tail<1>()[0] > 0)) continue;
-        Drive drive;
+        DriveSignal drive;
         drive.signal = values * solver.eigenvectors().rightCols<1>();
         drive.source = group.name;
         drive.is_response = group.part == Part::fixed || group.part == Part::mobile;
@@ -139,7 +139,7 @@ double smoothAt(const std::vector<Period>& periods, std::size_t at) {
 /// Lowest and highest frequency where the density is 1 % of its maximum; of a motion 0.1 % of its velocity's, and above
 /// the floor of the noise: its low frequencies are weak as accelerations, its high ones as displacements. The floor is
 /// the mean above four fifths of half the sampling rate, or what the channels do not share, whichever is more.
-void findBand(const Drive& drive, double interval, SweptFrequency& result) {
+void findBand(const DriveSignal& drive, double interval, SweptFrequency& result) {
     Spectrum spectrum = calcSpectrum(drive.signal, interval, 16384);
     // A part may answer each frequency in another direction.
     if (drive.is_response) {
@@ -172,7 +172,7 @@ SweptFrequency findSweptFrequency(const Recording& recording) {
     result.hertz = Eigen::VectorXd::Constant(samples, std::numeric_limits<double>::quiet_NaN());
     if (samples < 16) return result;
     const double interval = recording.sampleInterval();
-    const Drive drive = findDrive(recording);
+    const DriveSignal drive = findDrive(recording);
     if (drive.signal.size() == 0) return result;
     result.source = drive.source;
 

@@ -10,6 +10,7 @@
 #include "identify/motion/part_motion.hpp"
 #include "identify/motion/rigid_fit.hpp"
 #include "identify/motion/swept_frequency.hpp"
+#include "identify/motion/uniform_sampling.hpp"
 #include "models/bryant.hpp"
 #include "models/common/error.hpp"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "identify/motion/motion.hpp"
+#include "identify/motion/uniform_sampling.hpp"
 #include "identify/problem/fast_motion.hpp"
 #include "models/bryant.hpp"
 #include "models/common/error.hpp"

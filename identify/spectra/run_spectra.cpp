@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "identify/motion/motion.hpp"
 #include "identify/motion/swept_frequency.hpp"
+#include "identify/motion/uniform_sampling.hpp"
 #include "models/common/error.hpp"
 #include "models/common/format_number.hpp"
 

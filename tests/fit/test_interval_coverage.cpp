@@ -1,5 +1,6 @@
 // How many of the 95 % intervals of a fit hold the truth, under what measurements are like. Campaigns: hidden.
 // COVERAGE_CONDITION: part of the name of the conditions that are asked; COVERAGE_REPETITIONS: of each, 60 by default.
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -8,6 +9,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "identify/fit/fit.hpp"
 #include "identify/updating/coarse_contacts.hpp"
@@ -117,6 +119,21 @@ std::string kindOf(const std::string& name) {
     return stop && key == "stiffness" ? "stop stiffness" : key;
 }
 
+/// Of each kind, RMS over its numbers in standard errors: the mean over the repetitions, and what scatters about it.
+std::map<std::string, std::array<double, 2>> sumErrors(const std::map<std::string, std::vector<double>>& errors) {
+    std::map<std::string, std::array<double, 3>> sums;
+    for (const auto& [name, values] : errors) {
+        const Eigen::Map<const Eigen::ArrayXd> e(values.data(), static_cast<Eigen::Index>(values.size()));
+        auto& sum = sums[kindOf(name)];
+        sum[0] += e.mean() * e.mean();
+        sum[1] += (e - e.mean()).square().sum() / static_cast<double>(std::max<Eigen::Index>(1, e.size() - 1));
+        sum[2] += 1;
+    }
+    std::map<std::string, std::array<double, 2>> result;
+    for (const auto& [kind, sum] : sums) result[kind] = {std::sqrt(sum[0] / sum[2]), std::sqrt(sum[1] / sum[2])};
+    return result;
+}
+
 }  // namespace
 
 TEST_CASE("Coverage of the 95 % intervals under every condition", "[.conditions]") {
@@ -135,7 +152,8 @@ TEST_CASE("Coverage of the 95 % intervals under every condition", "[.conditions]
     sweep.sample_rate = condition.rate;
     sweep.steps_per_sample = static_cast<int>(16000 / condition.rate);
     const test::SyntheticRun run = test::simulateSweep(truth, sweep);
-    std::map<std::string, std::array<int, 2>> held;  // kind → inside, all
+    std::map<std::string, std::array<int, 2>> held;     // kind → inside, all
+    std::map<std::string, std::vector<double>> errors;  // number → in standard errors
     Random random(seed);
     for (int repetition = 0; repetition < repetitions; ++repetition) {
         const std::uint64_t own = random();
@@ -148,6 +166,7 @@ TEST_CASE("Coverage of the 95 % intervals under every condition", "[.conditions]
             fit = updating::refineCoarseContacts(fit, {recording}, believed).value_or(fit);
         for (const auto& p : fit.parameters) {
             const double value = getParameter(truth, p.name);
+            errors[p.name].push_back((p.value - value) / p.standard_error);
             for (const auto& key : {kindOf(p.name), std::string("all")}) {
                 held[key][0] += p.interval95[0] <= value && value <= p.interval95[1] ? 1 : 0;
                 ++held[key][1];
@@ -157,6 +176,9 @@ TEST_CASE("Coverage of the 95 % intervals under every condition", "[.conditions]
     std::string text = condition.name + ", seed " + std::to_string(seed) + ":";
     for (const auto& [kind, numbers] : held)
         text += " " + kind + " " + std::to_string(numbers[0]) + "/" + std::to_string(numbers[1]);
+    for (const auto& [kind, numbers] : sumErrors(errors))
+        text += "\n  " + kind + ": errors common to all repetitions " + std::to_string(numbers[0]) +
+                " standard errors (RMS), others " + std::to_string(numbers[1]);
     WARN(text);
     CHECK(held["all"][0] >= 0.93 * held["all"][1]);
 }

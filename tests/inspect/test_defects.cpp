@@ -8,7 +8,7 @@
 
 #include "identify/inspect/inspection.hpp"
 #include "identify/inspect/order_tracking.hpp"
-#include "identify/motion/motion.hpp"
+#include "identify/motion/uniform_sampling.hpp"
 #include "models/recording/recording_checks.hpp"
 #include "tests/inspect/planted_run.hpp"
 #include "tests/seed.hpp"

@@ -154,16 +154,34 @@ TEST_CASE("Velocities alone are used, beside displacements they are noted as unu
     }
 }
 
-TEST_CASE("Jittered stamps are interpolated, rounded stamps are taken as uniform") {
+TEST_CASE("Stamps are taken for what they are") {
     Case c;
     CAPTURE(c.seed);
     std::uniform_real_distribution<double> jitter(-2e-4, 2e-4);
-    SECTION("jitter") {
+    SECTION("samples at irregular instants are interpolated") {
         for (double& t : c.recording.time) t += jitter(c.random);
         c.add({"x", "y", "z"});
         const RunMotion run = estimateMotion(c.recording, c.model);
         CHECK(hasNote(run, "not uniform"));
         CHECK(calcErrors(c, run, 100).p < 1e-7);
+    }
+    SECTION("stamps that jitter alone are not, with noise or without") {
+        c.add({"x", "y", "z"});
+        const double noise = GENERATE(0.0, 1e-6);
+        std::normal_distribution<double> normal;
+        for (Channel& channel : c.recording.channels)
+            for (double& value : channel.values) value += noise * normal(c.random);
+        for (double& t : c.recording.time) t += jitter(c.random);
+        const RunMotion run = estimateMotion(c.recording, c.model);
+        CHECK(hasNote(run, "time stamps jitter by"));
+        // The clock itself is known to the jitter over the root of the number of samples.
+        CHECK(calcErrors(c, run, 100).p < 4e-6);
+    }
+    SECTION("a clock that drifts is interpolated") {
+        const double length = c.recording.time.back();
+        for (double& t : c.recording.time) t += 2e-3 * std::sin(3 * t / length) + 1e-2 * jitter(c.random);
+        c.add({"x", "y", "z"});
+        CHECK(hasNote(estimateMotion(c.recording, c.model), "not uniform"));
     }
     SECTION("rounded to 0.1 ms at 3 kHz, whenever it begins") {
         c.recording = test::makeEmptyRecording(3000, 2);
