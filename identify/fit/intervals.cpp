@@ -1,163 +1,21 @@
 #include "identify/fit/intervals.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
-#include <Eigen/QR>
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <map>
-#include <string>
 #include <vector>
 
+#include "identify/fit/channel_noise_effect.hpp"
 #include "identify/motion/parallel.hpp"
-#include "models/axis_law.hpp"
 
 namespace wems::identify {
 
 double studentQuantile95(double degrees_of_freedom) {
     if (!(degrees_of_freedom >= 1)) return std::numeric_limits<double>::infinity();
     return boost::math::quantile(boost::math::students_t(degrees_of_freedom), 0.975);
-}
-
-namespace {
-
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-
-/// About M's origin, translation above rotation, at rest.
-Matrix6d makeMassMatrix(const MobileBody& body) {
-    const Vector3d& c = body.center_of_gravity;
-    Matrix3d cross;
-    cross << 0, -c.z(), c.y(), c.z(), 0, -c.x(), -c.y(), c.x(), 0;
-    Matrix6d mass;
-    mass << body.mass * Matrix3d::Identity(), -body.mass * cross, body.mass * cross,
-        body.inertia - body.mass * cross * cross;
-    return mass;
-}
-
-/// Responses of one run's residual to gain errors of its channels.
-class RunResponse {
-public:
-    RunResponse(const RunMotion& motion, const MountModel& model, const RunEquations& equations)
-        : motion_(motion),
-          test_function_(equations.test_function),
-          outputs_(equations.outputs),
-          mass_(makeMassMatrix(model.body)) {
-        const RelativeHistory relative = calcRelativeHistory(motion, model);
-        tangent_.resize(relative.q.cols(), relative.q.rows());
-        directions_.resize(6, relative.q.cols());
-        damping_.resize(relative.q.cols());
-        for (Eigen::Index axis = 0; axis < relative.q.cols(); ++axis) {
-            const Connection& connection = model.connections[axis / 3];
-            const AxisLaw& law = connection.axis.at(axis % 3);
-            const AxisForce force(law);
-            const Vector3d e = Vector3d::Unit(axis % 3);
-            directions_.col(axis) << e, connection.position.cross(e);
-            damping_(axis) = law.damping;
-            for (Eigen::Index k = 0; k < relative.q.rows(); ++k)
-                tangent_(axis, k) = force.calcStaticStiffness(relative.q(k, axis));
-        }
-    }
-
-    /// Of a channel that decides the displacement of a part (and its acceleration, if `with_mass`): 6 x outputs.
-    Eigen::Matrix<double, 6, Eigen::Dynamic> ofDisplacement(const PartMotion& part, const Vector6d& design,
-                                                            const Vector6d& shift, double sign, bool with_mass) const {
-        const Eigen::RowVectorXd s = project(design, part.p, part.theta), rate = project(design, part.v, part.w);
-        Eigen::Matrix<double, 6, Eigen::Dynamic> wrench(6, s.size());
-        wrench.setZero();
-        for (Eigen::Index axis = 0; axis < directions_.cols(); ++axis) {
-            const double share = sign * directions_.col(axis).dot(shift);
-            wrench += directions_.col(axis) * (share * (tangent_.row(axis).cwiseProduct(s) + damping_(axis) * rate));
-        }
-        Eigen::Matrix<double, 6, Eigen::Dynamic> response = average(wrench, test_function_.value());
-        if (with_mass) response += mass_ * shift * average(s, test_function_.second());
-        return response;
-    }
-
-    /// Of a channel that decides the acceleration of the mobile part.
-    Eigen::Matrix<double, 6, Eigen::Dynamic> ofAcceleration(const Vector6d& design, const Vector6d& shift) const {
-        return mass_ * shift * average(project(design, motion_.mobile.a, motion_.mobile.alpha), test_function_.value());
-    }
-
-private:
-    static Eigen::RowVectorXd project(const Vector6d& design, const Eigen::Matrix3Xd& linear,
-                                      const Eigen::Matrix3Xd& angular) {
-        return design.head<3>().transpose() * linear + design.tail<3>().transpose() * angular;
-    }
-
-    Eigen::MatrixXd average(const Eigen::MatrixXd& signal, const std::vector<double>& taps) const {
-        const Eigen::Map<const Eigen::VectorXd> weights(taps.data(), taps.size());
-        Eigen::MatrixXd result(signal.rows(), outputs_);
-        for (Eigen::Index n = 0; n < outputs_; ++n)
-            result.col(n) = signal.middleCols(n * test_function_.stride(), weights.size()) * weights;
-        return result.colwise() - result.rowwise().mean();
-    }
-
-    const RunMotion& motion_;
-    const TestFunction& test_function_;
-    int outputs_;
-    Matrix6d mass_;
-    Eigen::MatrixXd tangent_;  // axes x samples, N/m
-    Eigen::Matrix<double, 6, Eigen::Dynamic> directions_;
-    Eigen::VectorXd damping_;
-};
-
-}  // namespace
-
-bool hasGainScatter(const RunMotion& run) {
-    return run.mobile.displacement_calibration.gain_scatter > 0 ||
-           run.mobile.acceleration_calibration.gain_scatter > 0 ||
-           run.fixed.displacement_calibration.gain_scatter > 0 || run.fixed.acceleration_calibration.gain_scatter > 0;
-}
-
-CalibrationEffect calcCalibrationEffect(const Solver& solver, const LinearSystem& system) {
-    CalibrationEffect effect;
-    std::map<std::string, Eigen::VectorXd> scores;
-    const NormalEquations& equations = solver.equations();
-    for (std::size_t r = 0; r < solver.runCount(); ++r) {
-        const RunMotion& motion = solver.motions()[r];
-        if (!hasGainScatter(motion)) continue;
-        const RunResponse response(motion, solver.model(), equations.runs()[r]);
-        const RowMatrix sensitivity = solver.calcSensitivity(r, system);
-        const auto addChannels = [&](const Calibration& calibration, const auto& calcResponse) {
-            if (!(calibration.gain_scatter > 0)) return;
-            const Eigen::MatrixXd shifts = calibration.design.completeOrthogonalDecomposition().pseudoInverse();
-            for (std::size_t c = 0; c < calibration.channels.size(); ++c) {
-                const Eigen::Index k = c;
-                const Eigen::MatrixXd change =
-                    equations.whitening(r) *
-                    calcResponse(Vector6d(calibration.design.row(k).transpose()), Vector6d(shifts.col(k)));
-                effect.residual_squares += std::pow(calibration.gain_scatter, 2) * change.squaredNorm();
-                const Eigen::VectorXd score =
-                    calibration.gain_scatter *
-                    (sensitivity.transpose() * Eigen::Map<const Eigen::VectorXd>(change.data(), change.size()));
-                auto& sum =
-                    scores.try_emplace(calibration.channels[c], Eigen::VectorXd::Zero(score.size())).first->second;
-                sum += score;
-            }
-        };
-        const auto displacementOf = [&](const PartMotion& part, double sign, bool with_mass) {
-            return [&, sign, with_mass](const Vector6d& design, const Vector6d& shift) {
-                return response.ofDisplacement(part, design, shift, sign, with_mass);
-            };
-        };
-        const PartMotion &mobile = motion.mobile, &fixed = motion.fixed;
-        addChannels(mobile.displacement_calibration, displacementOf(mobile, 1, !mobile.acceleration_measured));
-        addChannels(fixed.displacement_calibration, displacementOf(fixed, -1, false));
-        addChannels(mobile.acceleration_calibration, [&](const Vector6d& design, const Vector6d& shift) {
-            Eigen::Matrix<double, 6, Eigen::Dynamic> change = response.ofAcceleration(design, shift);
-            if (!mobile.displacement_measured) change += response.ofDisplacement(mobile, design, shift, 1, false);
-            return change;
-        });
-        if (!fixed.displacement_measured) addChannels(fixed.acceleration_calibration, displacementOf(fixed, -1, false));
-    }
-    effect.influences.resize(system.scale.size(), scores.size());
-    Eigen::Index column = 0;
-    for (const auto& entry : scores) effect.influences.col(column++) = system.inverse * entry.second;
-    return effect;
 }
 
 namespace {
@@ -251,7 +109,10 @@ ParameterUncertainty::ParameterUncertainty(const Solver& solver, const LinearSys
         middle += piece.covariance;
         std::move(piece.blocks.begin(), piece.blocks.end(), std::back_inserter(scores));
     }
-    stationary_ = system.inverse * middle * system.inverse + system.open;
+    stationary_ = system.inverse * middle * system.inverse;
+    const Eigen::VectorXd wider =
+        (calcChannelNoiseVariances(solver, system).array() / stationary_.diagonal().array()).max(1.0).sqrt();
+    stationary_ = wider.asDiagonal() * stationary_ * wider.asDiagonal() + system.open;
     influences_.resize(count, scores.size());
     for (std::size_t b = 0; b < scores.size(); ++b) influences_.col(b) = system.inverse * scores[b];
     calibration_ = calcCalibrationEffect(solver, system);

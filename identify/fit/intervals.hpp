@@ -2,11 +2,12 @@
 /// How well a solution is known: covariance of the parameters with residuals that are correlated in time.
 ///
 /// With U the inverse of the information JᵀJ (whitened rows) the covariance is U Jᵀ Γ J U (sandwich). Γ, the covariance
-/// of the residual, is taken in two ways, and the larger answer counts:
+/// of the residual, is taken in three ways, and the largest answer counts:
 /// - stationary: an autoregressive model of each whitened equation's residual, so that JᵀΓJ = |A⁻¹ J|²;
-/// - blocks: sums of Jᵀr over blocks of time, which needs no stationarity (contact makes residuals larger there).
+/// - blocks: sums of Jᵀr over blocks of time, which needs no stationarity (contact makes residuals larger there);
+/// - the noise that redundant channels show beforehand (channel_noise_effect.hpp), which a fit may have taken in.
 ///
-/// To this comes what the scatter of the channels' gains may do (below), where the rigid fit shows
+/// To this comes what the scatter of the channels' gains may do (calibration_effect.hpp), where the rigid fit shows
 /// any.
 ///
 /// Sources: White (1980), doi:10.2307/1912934; Newey and West (1987), doi:10.2307/1913610; AR by Burg–Yule–Walker.
@@ -14,6 +15,7 @@
 
 #include <Eigen/Core>
 
+#include "identify/fit/calibration_effect.hpp"
 #include "identify/fit/solver.hpp"
 
 namespace wems::identify {
@@ -22,25 +24,6 @@ namespace wems::identify {
 
 /// Two-sided 95 % quantile of Student's t, e.g. 1.96 for many degrees of freedom; infinite for fewer than one.
 double studentQuantile95(double degrees_of_freedom);
-
-// What the scatter of the channels' gains does to a solution of the regression.
-//
-// A gain error g_c of channel c moves the rigid motion by P_c s_c g_c, P_c the c-th column of the rigid fit's
-// pseudo-inverse and s_c the channel's signal; the residual follows to first order, through the laws' tangent
-// stiffness and dashpots, and through the body's mass matrix where the channel decides the acceleration. All runs
-// share the gains: they were recorded with the same sensors.
-
-struct CalibrationEffect {
-    /// Change of the scaled parameters for one standard deviation of each channel's gain: parameters x channels. No
-    /// column where no scatter was noticed (Calibration::gain_scatter).
-    Eigen::MatrixXd influences;
-    double residual_squares = 0;  ///< sum of squares of the whitened residual that the scatter leaves on average
-};
-
-/// Whether the rigid fit of any channels of the run shows scatter of their gains: then the effect needs its motion.
-bool hasGainScatter(const RunMotion& run);
-
-CalibrationEffect calcCalibrationEffect(const Solver& solver, const LinearSystem& system);
 
 /// Covariance of the system's parameters, scaled as there.
 class ParameterUncertainty {
@@ -57,7 +40,7 @@ public:
     double calibrationSquares() const { return calibration_.residual_squares; }
 
 private:
-    Eigen::MatrixXd stationary_;  // covariance
+    Eigen::MatrixXd stationary_;  // covariance, widened where the channels' noise makes more
     Eigen::MatrixXd influences_;  // parameters × blocks: U Jᵀr of each block
     CalibrationEffect calibration_;
 };

@@ -37,7 +37,7 @@ RunEquations makeRunEquations(const RunMotion& run, const MountModel& model, con
 
 namespace {
 
-constexpr std::string_view kMark = "WEMS equations 1\n";
+constexpr std::string_view kMark = "WEMS equations 2\n";
 
 /// Values one after the other; what has a size of its own is preceded by it.
 class ByteWriter {
@@ -133,6 +133,30 @@ void transferCalibration(Transfer& transfer, Channels& calibration) {
     transfer(calibration.gain_scatter);
 }
 
+void transferDensity(ByteWriter& writer, const NoiseDensity& density) {
+    writer(density.resolution());
+    writer(density.variances());
+    writer(density.finerResolution());
+    writer(density.finerVariances());
+}
+
+NoiseDensity readDensity(ByteReader& reader) {
+    double resolution = 0;
+    std::vector<double> variances;
+    reader(resolution);
+    reader(variances);
+    return {resolution, std::move(variances)};
+}
+
+void transferDensity(ByteReader& reader, NoiseDensity& density) {
+    density = readDensity(reader);
+    const NoiseDensity finer = readDensity(reader);
+    const bool refined = !finer.variances().empty();
+    if (!(density.resolution() > 0) || density.variances().empty() || (refined && !(finer.resolution() > 0)))
+        reader.fail();
+    if (refined) density.refine(finer);
+}
+
 template <typename Transfer, typename Part>
 void transferPart(Transfer& transfer, Part& part) {
     for (auto* samples : {&part.p, &part.theta, &part.v, &part.w, &part.a, &part.alpha}) transfer(*samples);
@@ -140,6 +164,9 @@ void transferPart(Transfer& transfer, Part& part) {
     transfer(part.acceleration_measured);
     transfer(part.displacement_noise);
     transfer(part.acceleration_noise);
+    transferDensity(transfer, part.displacement_density);
+    transferDensity(transfer, part.acceleration_density);
+    transfer(part.fusion_weights);
     transferCalibration(transfer, part.displacement_calibration);
     transferCalibration(transfer, part.acceleration_calibration);
     transfer(part.displacement_covariance);
@@ -176,13 +203,6 @@ void transferEquations(Transfer& transfer, Equations& equations) {
     }
 }
 
-void dropSamples(RunMotion& motion) {
-    motion.time.resize(1);  // the remainder's start
-    for (PartMotion* part : {&motion.mobile, &motion.fixed})
-        for (Eigen::Matrix3Xd* samples : {&part->p, &part->theta, &part->v, &part->w, &part->a, &part->alpha})
-            samples->resize(3, 0);
-}
-
 bool isConsistent(const StoredRun& run, const MountModel& model) {
     const RunEquations& equations = run.equations;
     bool right = !run.motion.time.empty() && equations.outputs > 0 &&
@@ -205,7 +225,6 @@ StoredRun makeStoredRun(RunMotion motion, const MountModel& model, const FitOpti
     motion.load.resize(3, 0);
     motion.base.resize(3, 0);
     motion.base_displacement.resize(3, 0);
-    if (!hasGainScatter(motion)) dropSamples(motion);
     return {std::move(motion), std::move(equations)};
 }
 

@@ -3,8 +3,8 @@
 /// add.
 ///
 /// A file holds what solveEquations() asks of a run and nothing more: the columns of the equations, the samples in
-/// which a stop may be touched, noise levels, and the motion itself only where scatter of gains was noticed. Numbers
-/// are the processor's own, so that a fit of stored equations is the fit of the runs to the last bit. The format is of
+/// which a stop may be touched, and the motion with its noise, which the intervals follow from. Numbers are the
+/// processor's own, so that a fit of stored equations is the fit of the runs to the last bit. The format is of
 /// one version of the program and one kind of processor, not for keeping.
 #pragma once
 
@@ -23,12 +23,11 @@ namespace wems::identify {
 RunEquations makeRunEquations(const RunMotion& run, const MountModel& model, const FitOptions& options);
 
 /// The rest of fitMount(): all parameters from the equations of all runs.
-/// @param runs of a run of which no scatter of gains was noticed (hasGainScatter), noise levels and times suffice
 FitResult solveEquations(const std::vector<RunMotion>& runs, std::vector<RunEquations> equations,
                          const MountModel& model, const FitOptions& options);
 
 struct StoredRun {
-    RunMotion motion;  ///< its samples are empty unless hasGainScatter()
+    RunMotion motion;
     RunEquations equations;
 };
 

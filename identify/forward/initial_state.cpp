@@ -16,7 +16,7 @@ namespace {
 constexpr double noise_limit = 6;      // standard deviations
 constexpr double motion_limit = 2e-3;  // of the largest displacement from the median
 constexpr int degree = 4;              // of the polynomial
-constexpr Eigen::Index least_samples = 8, most_samples = 64;
+constexpr Eigen::Index kLeastSamples = 8, kMostSamples = 64;
 
 /// Value and slope at the first sample, each 3-vectors.
 struct Start {
@@ -87,7 +87,7 @@ std::optional<StartMotion> findStartMotion(const RunMotion& run, const MountMode
     if (!run.mobile.displacement_measured || !fixed_known || drive.base().cols() > 0) return std::nullopt;
     const auto samples = static_cast<Eigen::Index>(run.time.size());
     const auto half_period = static_cast<Eigen::Index>(0.5 / (run.trusted_to * run.interval));
-    const Eigen::Index count = std::clamp(half_period, least_samples, most_samples);
+    const Eigen::Index count = std::clamp(half_period, kLeastSamples, kMostSamples);
     if (samples < count || !startsMoving(run, model, count)) return std::nullopt;
     StartMotion start;
     const FrameMotion mobile = fitFrame(run.mobile, run.interval, count);

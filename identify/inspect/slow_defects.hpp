@@ -23,15 +23,6 @@ struct SlowLevel {
 /// 29 %.
 SlowLevel findSlowLevel(const Eigen::VectorXd& signal, double interval, double lowest);
 
-/// A line at 50 or 60 Hz that is there in most of the recording at one phase.
-struct Hum {
-    double frequency = 0;  ///< Hz; 0: there is none
-    double amplitude = 0;  ///< SI
-};
-/// Components at 50 and 60 Hz (±0.1 Hz) of Hann blocks of one second that overlap by half; their median over all blocks
-/// in one phase convention tells hum from a sweep that passes by.
-Hum findHum(const Eigen::VectorXd& signal, double interval, double noise, const SweptFrequency& swept);
-
 /// Findings of kind offset, drift and hum.
 /// @param noise of the channel, SI
 std::vector<Finding> findSlowDefects(const Channel& channel, double interval, double noise, const SweptFrequency& swept,

@@ -17,6 +17,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace wems::identify {
 
@@ -26,6 +27,9 @@ enum class ContactEdges { sampled, filtered };
 
 struct FusedSignal {
     Eigen::VectorXd x, v;
+    /// w_k = (σ_x / (σ_k h²))², of the accelerations' relation at each sample over the displacement there; zero at the
+    /// ends.
+    Eigen::VectorXd weights;
 };
 
 /// @param sigma_x, sigma_a noise (RMS) of the two measurements; > 0
@@ -34,5 +38,31 @@ struct FusedSignal {
 FusedSignal fuseDisplacementAndAcceleration(const Eigen::VectorXd& x_measured, double sigma_x,
                                             const Eigen::VectorXd& a_measured, double sigma_a, double h,
                                             ContactEdges edges = ContactEdges::sampled);
+
+/// I + Dᵀ diag(w) D, D the rows (1, −2, 1) centred on samples 1 … n−2, as LDLᵀ with two subdiagonals.
+class Pentadiagonal {
+public:
+    explicit Pentadiagonal(const Eigen::Ref<const Eigen::VectorXd>& weights);
+    /// In place.
+    void solve(Eigen::VectorXd& r) const;
+
+private:
+    std::vector<double> d_, l1_, l2_;
+};
+
+/// The fusion as the linear operator that its weights make of it, backwards: what a weighted sum of x takes of each
+/// measured displacement and of each measured acceleration.
+class FusionAdjoint {
+public:
+    FusionAdjoint(Eigen::VectorXd weights, double h);
+    /// @param[in,out] influence of x; afterwards of the measured displacements
+    /// @return of the measured accelerations
+    Eigen::VectorXd apply(Eigen::VectorXd& influence) const;
+
+private:
+    Eigen::VectorXd weights_;
+    double h_;
+    Pentadiagonal equations_;
+};
 
 }  // namespace wems::identify

@@ -208,6 +208,8 @@ private:
             s_.col(k) = s;
         }
         result_.motion.displacement_noise = estimateNoise(displacement_, residuals, s_);
+        result_.motion.displacement_density =
+            estimateNoiseDensity(residuals, displacement_.redundancy(), result_.motion.displacement_noise, interval_);
         result_.motion.displacement_calibration =
             estimateCalibration(displacement_.channelSet(), residuals, std::nan(""));
     }
@@ -225,6 +227,8 @@ private:
             second_.col(k) = second;
         }
         result_.motion.acceleration_noise = estimateNoise(acceleration_, residuals, second_);
+        result_.motion.acceleration_density =
+            estimateNoiseDensity(residuals, acceleration_.redundancy(), result_.motion.acceleration_noise, interval_);
         result_.motion.acceleration_calibration =
             estimateCalibration(acceleration_.channelSet(), residuals, std::nan(""));
         return !(change > kPassTolerance * second_.cwiseAbs().maxCoeff());
@@ -234,6 +238,7 @@ private:
         const Eigen::MatrixXd measured = s_;
         const double x_noise = std::max({result_.motion.displacement_noise, kLeastDisplacementNoise,
                                          kNoiseFloor * rms(measured.colwise() - rest_)});
+        result_.motion.fusion_weights.setZero(6, samples_);
         double a_noise = 0;
         for (int pass = 0; pass < kMostPasses && !solveAccelerations(); ++pass) {
             a_noise =
@@ -246,6 +251,7 @@ private:
                     second_.row(i).transpose(), a_noise * std::sqrt(acceleration_.covariance()(c, c)), interval_,
                     edges_);
                 s_.row(i) = fused.x.transpose();
+                result_.motion.fusion_weights.row(i) = fused.weights.transpose().cast<float>();
                 rate_.row(i) = fused.v.transpose();
             }
         }

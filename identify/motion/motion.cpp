@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "identify/motion/guided_part_motion.hpp"
+#include "identify/motion/hum.hpp"
 #include "identify/motion/parallel.hpp"
 #include "identify/motion/part_motion.hpp"
 #include "identify/motion/uniform_sampling.hpp"
@@ -64,7 +65,8 @@ RunMotion estimateMotion(const Recording& recording, const MountModel& model, Co
                          "mobile.<connection>.<x|y|z|vx|vy|vz|ax|ay|az>");
     RunMotion run;
     run.file = recording.file;
-    const Recording uniform = makeUniform(recording, run.notes);
+    Recording uniform = makeUniform(recording, run.notes);
+    removeDriveHum(uniform, run.notes);
     run.time = uniform.time;
     run.interval = uniform.sampleInterval();
     run.load = collectVector(uniform, Part::load);

@@ -8,6 +8,7 @@
 
 #include "identify/motion/channel_suspects.hpp"
 #include "identify/motion/fusion.hpp"
+#include "identify/motion/noise_density.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
 
@@ -28,6 +29,11 @@ struct PartMotion {
     bool acceleration_measured = false;  ///< a and alpha rest on acceleration channels
     double displacement_noise = 0;  ///< m RMS of one channel, from what the rigid fit leaves; NaN if it cannot be told
     double acceleration_noise = 0;  ///< m/s² RMS of one channel, likewise
+    /// The same by frequency; zero where it cannot be told.
+    NoiseDensity displacement_density{0.0}, acceleration_density{0.0};
+    /// Where both kinds of channel were fused (fusion.hpp): the weights of each coordinate, origin above rotation, at
+    /// each sample. Empty otherwise.
+    Eigen::Matrix<float, 6, Eigen::Dynamic> fusion_weights;
     Calibration displacement_calibration, acceleration_calibration;  ///< empty without such channels
     /// Covariances of (origin, rotation), or their accelerations, from unit noise on every channel; zero where there
     /// are no such channels.

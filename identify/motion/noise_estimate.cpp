@@ -23,6 +23,14 @@ double medianOfChiSquared(int degrees_of_freedom) {
 
 }  // namespace
 
+double medianDeviation(const std::vector<double>& values, double centre) {
+    constexpr double of_normal = 1.4826;  // standard deviation over median absolute deviation
+    std::vector<double> deviations;
+    deviations.reserve(values.size());
+    for (const double value : values) deviations.push_back(std::abs(value - centre));
+    return of_normal * median(std::move(deviations));
+}
+
 double estimateNoiseFromResiduals(const Eigen::MatrixXd& residuals, int redundancy) {
     const Eigen::Index samples = residuals.cols();
     if (redundancy < 1 || samples < 3) return std::numeric_limits<double>::quiet_NaN();

@@ -7,10 +7,12 @@
 
 namespace wems::identify {
 
-// Robust location: the middle value.
+// Robust location and scatter: the middle value, and the middle deviation from it.
 
 /// The upper middle of `values` (not empty; taken by value because it is partly sorted).
 double median(std::vector<double> values);
+/// Standard deviation of a normal variable with the median absolute deviation of `values` from `centre`.
+double medianDeviation(const std::vector<double>& values, double centre);
 
 /// RMS noise of a channel from the residuals of a rigid fit (channels x samples) with `redundancy` ≥ 1 equations more
 /// than unknowns. Second differences keep systematic residuals (gains, flexibility) at the frequencies of the motion

@@ -65,6 +65,7 @@ public:
             Eigen::MatrixXd residuals;
             displacement_.solvePoses(motion.p, motion.theta, &residuals);
             motion.displacement_noise = estimateNoise(displacement_, residuals, motion.p);
+            motion.displacement_density = findDensity(displacement_, residuals, motion.displacement_noise);
             motion.displacement_calibration =
                 calibrate(displacement_, residuals, motion.displacement_noise, "displacement");
             motion.displacement_covariance = displacement_.calcUnitCovariance();
@@ -91,6 +92,10 @@ private:
             note(text);
         }
         return calibration;
+    }
+
+    NoiseDensity findDensity(const RigidFit& fit, const Eigen::MatrixXd& residuals, double white) const {
+        return estimateNoiseDensity(fit.weigh(residuals), fit.redundancy(), white, interval_);
     }
 
     void noteUnused(bool displacement, bool acceleration) {
@@ -129,6 +134,7 @@ private:
         const Vector6 x_unit = displacement_.calcUnitDeviations(), a_unit = acceleration_.calcUnitDeviations();
         const double x_noise = std::max(
             {motion.displacement_noise, kLeastDisplacementNoise, kNoiseFloor * rms(motion.p.colwise() - rest_.p_GM)});
+        motion.fusion_weights.resize(6, motion.p.cols());
         double a_noise = 0;
         Eigen::MatrixXd residuals;
         for (int pass = 0; pass < kMostPasses; ++pass) {
@@ -141,12 +147,14 @@ private:
                     theta_measured.row(i).transpose(), x_noise * x_unit[3 + i], second.row(i).transpose(),
                     a_noise * a_unit[3 + i], interval_, edges_);
                 motion.theta.row(i) = fused.x.transpose();
+                motion.fusion_weights.row(3 + i) = fused.weights.transpose().cast<float>();
                 rate.row(i) = fused.v.transpose();
             }
             const Eigen::Matrix3Xd w_before = motion.w;
             motion.w = calcAngularVelocities(motion.theta, rate);
             if (hasConverged(w_before)) break;
         }
+        motion.acceleration_density = findDensity(acceleration_, residuals, motion.acceleration_noise);
         motion.acceleration_calibration =
             calibrate(acceleration_, residuals, motion.acceleration_noise, "acceleration");
         motion.v.resize(3, motion.p.cols());
@@ -155,6 +163,7 @@ private:
                 fuseDisplacementAndAcceleration(p_measured.row(i).transpose(), x_noise * x_unit[i],
                                                 motion.a.row(i).transpose(), a_noise * a_unit[i], interval_, edges_);
             motion.p.row(i) = fused.x.transpose();
+            motion.fusion_weights.row(i) = fused.weights.transpose().cast<float>();
             motion.v.row(i) = fused.v.transpose();
         }
         const double crossover = std::sqrt(a_noise * a_unit[0] / (x_noise * x_unit[0])) / kTwoPi;
@@ -217,6 +226,7 @@ private:
             if (hasConverged(w_before)) break;
         }
         motion.acceleration_noise = estimateNoise(acceleration_, residuals, motion.a);
+        motion.acceleration_density = findDensity(acceleration_, residuals, motion.acceleration_noise);
         motion.acceleration_calibration =
             calibrate(acceleration_, residuals, motion.acceleration_noise, "acceleration");
         for (int i = 0; i < 3; ++i) {

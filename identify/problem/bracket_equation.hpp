@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "identify/problem/fourier.hpp"
+#include "identify/motion/fourier.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "models/mount_model.hpp"
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
+#include "identify/motion/fourier.hpp"
 #include "identify/problem/band_limited_force.hpp"
 #include "identify/problem/bracket_equation.hpp"
-#include "identify/problem/fourier.hpp"
 #include "identify/problem/mount_equation.hpp"
 #include "models/bryant.hpp"
 #include "models/common/units.hpp"

@@ -8,8 +8,8 @@
 
 #include "identify/motion/parallel.hpp"
 #include "identify/problem/band_limited_force.hpp"
-#include "identify/problem/fourier.hpp"
-#include "identify/problem/noise_density.hpp"
+#include "identify/problem/smoothing_kernel.hpp"
+#include "identify/problem/velocity_noise.hpp"
 #include "models/bryant.hpp"
 #include "models/common/units.hpp"
 #include "models/mount_forces.hpp"

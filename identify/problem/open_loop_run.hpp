@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "identify/motion/motion.hpp"
-#include "identify/problem/fourier.hpp"
 #include "identify/problem/run_filter.hpp"
 #include "models/axis_law.hpp"
 #include "models/mount_model.hpp"

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "identify/problem/fourier.hpp"
+#include "identify/problem/smoothing_kernel.hpp"
 
 namespace wems::identify {
 

@@ -24,7 +24,7 @@
 #include <complex>
 #include <vector>
 
-#include "identify/problem/fourier.hpp"
+#include "identify/motion/fourier.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "identify/problem/slow_balance.hpp"
 #include "identify/problem/test_run.hpp"

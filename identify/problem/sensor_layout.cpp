@@ -6,8 +6,8 @@
 #include <complex>
 #include <map>
 
+#include "identify/motion/fourier.hpp"
 #include "identify/motion/rigid_fit.hpp"
-#include "identify/problem/fourier.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "models/bryant.hpp"
 #include "models/common/units.hpp"

@@ -5,7 +5,7 @@
 #include <complex>
 #include <vector>
 
-#include "identify/problem/fourier.hpp"
+#include "identify/motion/fourier.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "models/axis_law.hpp"
 #include "models/bryant.hpp"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "identify/motion/hum.hpp"
 #include "identify/motion/motion.hpp"
 #include "identify/motion/uniform_sampling.hpp"
 #include "identify/problem/fast_motion.hpp"
@@ -102,6 +103,7 @@ TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, c
     TestRun run;
     std::vector<std::string> notes;
     run.recording = makeUniform(recording, notes);
+    removeDriveHum(run.recording, notes);
     run.swept = findSweptFrequency(run.recording);
     if (!(run.swept.lowest > 0) || !(run.swept.highest > run.swept.lowest * (1 + 1e-9)))
         throw InputError({recording.file, 0, {}},

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "identify/motion/motion.hpp"
+#include "identify/motion/noise_density.hpp"
 #include "identify/motion/swept_frequency.hpp"
-#include "identify/problem/noise_density.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "identify/problem/sensor_layout.hpp"
 

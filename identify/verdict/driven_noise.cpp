@@ -8,8 +8,8 @@
 #include <random>
 
 #include "identify/forward/forward_model.hpp"
+#include "identify/motion/fourier.hpp"
 #include "identify/motion/parallel.hpp"
-#include "identify/problem/fourier.hpp"
 #include "models/common/units.hpp"
 
 namespace wems::identify {

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "identify/problem/fourier.hpp"
+#include "identify/problem/smoothing_kernel.hpp"
 #include "models/common/units.hpp"
 #include "tests/seed.hpp"
 

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "identify/problem/band_limited_force.hpp"
-#include "identify/problem/noise_density.hpp"
+#include "identify/problem/velocity_noise.hpp"
 #include "models/common/units.hpp"
 #include "tests/seed.hpp"
 

@@ -6,7 +6,7 @@
 #include <complex>
 #include <limits>
 
-#include "identify/problem/fourier.hpp"
+#include "identify/motion/fourier.hpp"
 #include "models/bryant.hpp"
 #include "models/common/format_number.hpp"
 #include "models/common/units.hpp"

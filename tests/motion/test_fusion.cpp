@@ -145,5 +145,37 @@ TEST_CASE("Edges that a filter has rounded cost nothing") {
     CHECK(rms(sampled.x - truth.x) > 1.1 * noise);
 }
 
+/// Small changes of both measurements, forwards through the fusion and backwards.
+TEST_CASE("The fusion's adjoint takes of each measurement what the fusion does") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal(0, 1);
+    const auto draw = [&](Eigen::Index count) {
+        return Eigen::VectorXd::NullaryExpr(count, [&] { return normal(random); }).eval();
+    };
+    const Eigen::Index n = 600;
+    const Trajectory truth = makeImpacts(n);
+    const double sigma_x = 3e-6, sigma_a = 0.03;
+    const FusedSignal before = fuseDisplacementAndAcceleration(truth.x, sigma_x, truth.a, sigma_a, h);
+    const Eigen::VectorXd influence = draw(n);
+    Eigen::VectorXd of_x = influence;
+    FusionAdjoint(before.weights, h).apply(of_x);
+    const Eigen::VectorXd dx = sigma_x * draw(n);
+    const double by_x =
+        influence.dot(fuseDisplacementAndAcceleration(truth.x + dx, sigma_x, truth.a, sigma_a, h).x - before.x);
+    CHECK(of_x.dot(dx) == Approx(by_x).epsilon(1e-6));
+    // At kinks the weights follow the accelerations. Where the edges are taken as filtered they do not.
+    const auto fuse = [&](const Eigen::VectorXd& a) {
+        return fuseDisplacementAndAcceleration(truth.x, sigma_x, a, sigma_a, h, ContactEdges::filtered);
+    };
+    const FusedSignal even = fuse(truth.a);
+    Eigen::VectorXd again = influence;
+    const Eigen::VectorXd of_even = FusionAdjoint(even.weights, h).apply(again);
+    const Eigen::VectorXd da = sigma_a * draw(n);
+    CHECK(of_even.dot(da) == Approx(influence.dot(fuse(truth.a + da).x - even.x)).epsilon(1e-6));
+    CHECK(before.weights.minCoeff() < 0.1 * even.weights.maxCoeff());
+}
+
 }  // namespace
 }  // namespace wems::identify

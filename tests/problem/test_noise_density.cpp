@@ -2,7 +2,7 @@
 #include <cmath>
 #include <random>
 
-#include "identify/problem/noise_density.hpp"
+#include "identify/motion/noise_density.hpp"
 #include "models/common/units.hpp"
 #include "tests/seed.hpp"
 
@@ -82,4 +82,34 @@ TEST_CASE("Noise that falls with frequency is followed", "[noise density]") {
         const double expected = 1 / (1 + a * a - 2 * a * std::cos(kTwoPi * f * kInterval));
         CHECK(density.at(f) == Approx(expected).epsilon(0.3));
     }
+}
+
+// Random walk that forgets within τ: of density 2 σ² τ / interval at rest, falling from 1/(2πτ) on.
+TEST_CASE("Noise is resolved below what a stretch resolves", "[noise density]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    const int samples = 40000, channels = 12;
+    const double tau = 2.0, keep = std::exp(-kInterval / tau), deviation = 3e-6;
+    Eigen::MatrixXd residual(channels, samples);
+    Eigen::VectorXd state = Eigen::VectorXd::NullaryExpr(channels, [&] { return deviation * normal(random); });
+    for (int k = 0; k < samples; ++k) {
+        residual.col(k) = state;
+        state = keep * state + deviation * std::sqrt(1 - keep * keep) *
+                                   Eigen::VectorXd::NullaryExpr(channels, [&] { return normal(random); });
+    }
+    const NoiseDensity density = estimateNoiseDensity(residual, channels, 0, kInterval);
+    const auto exact = [&](double f) {
+        const double x = kTwoPi * f * kInterval;
+        return deviation * deviation * (1 - keep * keep) / (1 - 2 * keep * std::cos(x) + keep * keep);
+    };
+    // Below a fifth of a hertz, what eight stretches resolve, a few bins of twelve channels: within a factor of two.
+    double below = 0, expected = 0;
+    for (double f = 0.075; f < 0.2; f += 0.025) {
+        below += density.at(f);
+        expected += exact(f);
+    }
+    CHECK(below == Approx(expected).epsilon(0.5));
+    for (const double f : {1.0, 5.0}) CHECK(density.at(f) == Approx(exact(f)).epsilon(0.5));
 }

@@ -3,7 +3,7 @@
 #include <complex>
 #include <random>
 
-#include "identify/problem/fourier.hpp"
+#include "identify/motion/fourier.hpp"
 #include "identify/problem/run_noise.hpp"
 #include "models/common/units.hpp"
 #include "tests/seed.hpp"

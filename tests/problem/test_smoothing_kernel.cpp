@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "identify/problem/fourier.hpp"
+#include "identify/problem/smoothing_kernel.hpp"
 #include "models/common/units.hpp"
 
 using namespace wems;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 namespace wems::identify {
@@ -23,6 +24,17 @@ public:
     NoiseDensity(const Eigen::MatrixXd& residuals, int freedom, double interval, double resolution, double least);
     /// White noise.
     explicit NoiseDensity(double variance);
+    /// @param variances at multiples of the resolution (Hz), at least one
+    NoiseDensity(double resolution, std::vector<double> variances)
+        : resolution_(resolution), variance_(std::move(variances)) {}
+
+    double resolution() const { return resolution_; }
+    const std::vector<double>& variances() const { return variance_; }
+
+    /// Takes what lies below its own resolution from one of a finer resolution, which stays part of it.
+    void refine(const NoiseDensity& finer);
+    double finerResolution() const { return finer_resolution_; }  ///< Hz; 0: there is none
+    const std::vector<double>& finerVariances() const { return finer_; }
 
     double at(double frequency) const;
     /// Of the bands between two frequencies; that at `to` if there is none.
@@ -37,24 +49,17 @@ public:
 private:
     double resolution_ = 0;
     std::vector<double> variance_;  // at k resolution_
+    double finer_resolution_ = 0;
+    std::vector<double> finer_;  // at k finer_resolution_, up to resolution_
 };
+
+/// Of one channel, from what a rigid fit leaves of some of them in eight stretches, and as a whole below what a stretch
+/// resolves; white where it leaves nothing.
+/// @param residuals channels x samples, `redundancy` equations more than motions
+/// @param white RMS of a sample as estimateNoiseFromResiduals() has it; NaN if it is not known
+NoiseDensity estimateNoiseDensity(const Eigen::MatrixXd& residuals, int redundancy, double white, double interval);
 
 /// Lower quartile over the mean of a chi-squared variable of `freedom` degrees of freedom (Wilson, Hilferty 1931).
 double calcQuartileRatio(double freedom);
-
-// Velocities without the noise that differentiation makes of a displacement's, for laws that turn on the sign of the
-// velocity: noise of 2 µm up to 300 Hz is 2 mm/s, while friction that sticks creeps at less.
-
-/// Wiener filter over short-time spectra (overlapping frames): what lies below twice the noise in a stretch and
-/// a band goes, the rest loses the noise's share of its power. Zero phase. (Oppenheim, Verghese, Signals, Systems and
-/// Inference, 2016, ch. 12; Lim, Oppenheim 1979, doi:10.1109/PROC.1979.11540.)
-/// @param frame samples of a frame, as velocityNoiseFrame() gives it
-/// @param velocities rows of samples `interval` (s) apart, m/s
-/// @param density one-sided noise density of each row at k/(n interval), n = frame,
-///     (m/s)²/Hz: rows x (n/2 + 1)
-Eigen::MatrixXd removeVelocityNoise(const Eigen::MatrixXd& velocities, int frame, double interval,
-                                    const Eigen::MatrixXd& density);
-/// Two and a half periods of the lowest excited frequency (Hz).
-int velocityNoiseFrame(double interval, double lowest);
 
 }  // namespace wems::identify

@@ -1,10 +1,10 @@
-#include "identify/problem/noise_density.hpp"
+#include "identify/motion/noise_density.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "identify/problem/fourier.hpp"
+#include "identify/motion/fourier.hpp"
 #include "models/common/units.hpp"
 
 namespace wems::identify {
@@ -51,12 +51,28 @@ NoiseDensity::NoiseDensity(const Eigen::MatrixXd& residuals, int freedom, double
     }
 }
 
-double NoiseDensity::at(double frequency) const {
-    const double place = std::clamp(frequency / resolution_, 0.0, static_cast<double>(variance_.size() - 1));
+namespace {
+
+double interpolate(const std::vector<double>& values, double place) {
+    place = std::clamp(place, 0.0, static_cast<double>(values.size() - 1));
     const auto below = static_cast<std::size_t>(place);
-    const auto above = std::min(below + 1, variance_.size() - 1);
+    const auto above = std::min(below + 1, values.size() - 1);
     const double u = place - static_cast<double>(below);
-    return (1 - u) * variance_[below] + u * variance_[above];
+    return (1 - u) * values[below] + u * values[above];
+}
+
+}  // namespace
+
+double NoiseDensity::at(double frequency) const {
+    if (!finer_.empty() && frequency < resolution_) return interpolate(finer_, frequency / finer_resolution_);
+    return interpolate(variance_, frequency / resolution_);
+}
+
+void NoiseDensity::refine(const NoiseDensity& finer) {
+    finer_resolution_ = finer.resolution_;
+    const auto count = static_cast<std::size_t>(std::ceil(resolution_ / finer_resolution_)) + 1;
+    finer_.assign(finer.variance_.begin(),
+                  finer.variance_.begin() + static_cast<long>(std::min(count, finer.variance_.size())));
 }
 
 double NoiseDensity::medianBetween(double from, double to) const {
@@ -74,10 +90,12 @@ double NoiseDensity::medianBetween(double from, double to) const {
 void NoiseDensity::levelBelow(double frequency) {
     const auto first = std::min(static_cast<std::size_t>(std::ceil(frequency / resolution_)), variance_.size() - 1);
     std::fill_n(variance_.begin(), first, variance_[first]);
+    if (first > 0) std::fill(finer_.begin(), finer_.end(), variance_[first]);
 }
 
 void NoiseDensity::scale(double factor) {
     for (double& variance : variance_) variance *= factor;
+    for (double& variance : finer_) variance *= factor;
 }
 
 double NoiseDensity::variance() const {
@@ -86,59 +104,24 @@ double NoiseDensity::variance() const {
 
 namespace {
 
-constexpr double kFrame = 2.5;            // periods of the lowest excited frequency
-constexpr int kOverlap = 4;               // frames over each sample
-constexpr double kOversubtraction = 2.0;  // of the noise's power, which scatters as much as it is
+constexpr int kStretchesOfRun = 8;          // of a run: a quartile of their overlapping ones scatters by a fifth
+constexpr Eigen::Index kChannelsShown = 6;  // that are transformed: all have the same noise
 
 }  // namespace
 
-int velocityNoiseFrame(double interval, double lowest) {
-    int hop = std::max(4, static_cast<int>(std::lround(kFrame / lowest / interval / kOverlap)));
-    while (Fourier(kOverlap * hop).size() != kOverlap * hop) ++hop;
-    return kOverlap * hop;
-}
-
-Eigen::MatrixXd removeVelocityNoise(const Eigen::MatrixXd& velocities, int frame, double interval,
-                                    const Eigen::MatrixXd& density) {
-    const int length = frame, hop = length / kOverlap;
-    const Fourier fourier(length);
-    // Root of a Hann window, applied before and after: the squares of the overlapping frames add up to a constant.
-    const Eigen::ArrayXd window =
-        (kPi * (Eigen::ArrayXd::LinSpaced(length, 0, length - 1) + 0.5) / length).sin() * std::sqrt(2.0 / kOverlap);
-    const double power = window.square().sum() / (2 * interval);
-    const Eigen::Index samples = velocities.cols(), frames = (samples + length) / hop + 1;
-    Eigen::MatrixXd result(velocities.rows(), samples);
-    for (Eigen::Index row = 0; row < velocities.rows(); ++row) {
-        // Frame j begins at sample (j + 1) hop − length, so that the ends too are in kOverlap frames.
-        Eigen::MatrixXd stretches = Eigen::MatrixXd::Zero(frames, length);
-        const auto visit = [&](const auto& action) {
-            for (Eigen::Index j = 0; j < frames; ++j)
-                for (Eigen::Index k = 0; k < length; ++k) {
-                    const Eigen::Index sample = (j + 1) * hop - length + k;
-                    if (sample >= 0 && sample < samples) action(j, k, sample);
-                }
-        };
-        visit([&](Eigen::Index j, Eigen::Index k, Eigen::Index sample) {
-            stretches(j, k) = window[k] * velocities(row, sample);
-        });
-        Eigen::MatrixXcd spectra = fourier.forward(stretches);
-        const Eigen::Index bins = spectra.cols();
-        for (Eigen::Index j = 0; j < frames; ++j) {
-            const Eigen::ArrayXd squares = spectra.row(j).cwiseAbs2().transpose().array();
-            for (Eigen::Index b = 0; b < bins; ++b) {
-                const Eigen::Index from = std::max<Eigen::Index>(0, b - 1), to = std::min(bins - 1, b + 1);
-                const double measured = squares.segment(from, to - from + 1).mean();
-                const double noise = kOversubtraction * power * density(row, b);
-                spectra(j, b) *= noise < measured ? 1 - noise / measured : 0.0;
-            }
-        }
-        stretches = fourier.inverse(spectra, length);
-        result.row(row).setZero();
-        visit([&](Eigen::Index j, Eigen::Index k, Eigen::Index sample) {
-            result(row, sample) += window[k] * stretches(j, k);
-        });
-    }
-    return result;
+NoiseDensity estimateNoiseDensity(const Eigen::MatrixXd& residuals, int redundancy, double white, double interval) {
+    if (redundancy < 1) return NoiseDensity(std::isfinite(white) ? white * white : 0.0);
+    const Eigen::Index every = (residuals.rows() + kChannelsShown - 1) / kChannelsShown,
+                       count = (residuals.rows() + every - 1) / every;
+    // Of so many channels the fit leaves that many values.
+    const double left =
+        static_cast<double>(redundancy) * static_cast<double>(count) / static_cast<double>(residuals.rows());
+    const int freedom = std::max(1, static_cast<int>(left));
+    const Eigen::MatrixXd some = std::sqrt(freedom / left) * residuals(Eigen::seqN(0, count, every), Eigen::all);
+    const double length = static_cast<double>(residuals.cols()) * interval;
+    NoiseDensity density(some, freedom, interval, kStretchesOfRun / length, 0.0);
+    density.refine({some.colwise() - some.rowwise().mean(), freedom, interval, 1 / length, 0.0});
+    return density;
 }
 
 }  // namespace wems::identify

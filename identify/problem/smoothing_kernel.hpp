@@ -1,36 +1,13 @@
 /// @file
-/// Discrete Fourier transforms of the rows of a matrix.
+/// What sampling and low-pass filtering make of a motion with contacts.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
 
 #include "identify/motion/motion.hpp"
-#include "identify/motion/real_transform.hpp"
 
 namespace wems::identify {
-
-/// Real rows ↔ complex spectra, zero-padded to a size with small prime factors. Transforming is const and may be done
-/// by several threads at once.
-class Fourier {
-public:
-    /// @param samples least number of samples; size() ≥ samples
-    explicit Fourier(int samples);
-
-    int size() const { return static_cast<int>(transform_.length()); }
-    int binCount() const { return size() / 2 + 1; }
-
-    /// X_k = Σ_n x_n exp(−2πi k n / size): rows x binCount().
-    Eigen::MatrixXcd forward(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
-    /// The inverse, its first `samples` columns.
-    Eigen::MatrixXd inverse(const Eigen::Ref<const Eigen::MatrixXcd>& spectra, int samples) const;
-
-private:
-    RealTransform transform_;
-};
-
-/// Power of each row at each bin, smoothed by a moving average of 2 half + 1 bins.
-Eigen::MatrixXd smoothPower(const Eigen::MatrixXcd& spectra, Eigen::Index half);
 
 // What contact hides in sampled accelerations.
 //
