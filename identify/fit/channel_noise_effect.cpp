@@ -86,23 +86,27 @@ class RunEffect {
 public:
     RunEffect(const RunMotion& motion, const MountModel& model, const RunEquations& equations)
         : equations_(equations),
-          linear_(makeLinearResponse(motion, model)),
-          dashpots_(linear_.directions * linear_.damping.asDiagonal() * linear_.directions.transpose()),
           samples_(static_cast<Eigen::Index>(motion.time.size())),
           accelerations_(motion.mobile.acceleration_measured),
           mobile_(motion.mobile, motion.interval, motion.trusted_from),
-          fixed_(motion.fixed, motion.interval, motion.trusted_from) {}
+          fixed_(motion.fixed, motion.interval, motion.trusted_from) {
+        const LinearResponse linear = makeLinearResponse(motion, model);
+        mass_ = linear.mass;
+        dashpots_ = linear.directions * linear.damping.asDiagonal() * linear.directions.transpose();
+        stiffness_.resize(motion.time.size());
+        for (std::size_t k = 0; k < stiffness_.size(); ++k)
+            stiffness_[k] = linear.directions * linear.tangent.col(static_cast<Eigen::Index>(k)).asDiagonal() *
+                            linear.directions.transpose();
+    }
 
     /// @param scores 6 x outputs: influence of the equations at each output on the parameter
     double calcVariance(const Matrix6x& scores) const {
-        const Matrix6x at_samples = spread(scores, equations_.test_function.value());
-        Matrix6x by_laws = -dashpots_ * spread(scores, equations_.test_function.first());
-        for (Eigen::Index axis = 0; axis < linear_.directions.cols(); ++axis) {
-            const Vector6d d = linear_.directions.col(axis);
-            by_laws += d * (d.transpose() * at_samples).cwiseProduct(linear_.tangent.row(axis));
-        }
-        const Matrix6x body =
-            linear_.mass * (accelerations_ ? at_samples : spread(scores, equations_.test_function.second()));
+        const TestFunction& test_function = equations_.test_function;
+        const Matrix6x at_samples = spread(scores, test_function.value());
+        Matrix6x by_laws = -dashpots_ * spread(scores, test_function.first());
+        for (Eigen::Index k = 0; k < by_laws.cols(); ++k)
+            by_laws.col(k).noalias() += stiffness_[static_cast<std::size_t>(k)] * at_samples.col(k);
+        const Matrix6x body = mass_ * (accelerations_ ? at_samples : spread(scores, test_function.second()));
         const Matrix6x none = Matrix6x::Zero(6, samples_);
         return (accelerations_ ? mobile_.calcVariance(by_laws, body) : mobile_.calcVariance(by_laws + body, none)) +
                fixed_.calcVariance(by_laws, none);
@@ -111,17 +115,17 @@ public:
 private:
     /// What an average with these taps takes of each sample: 6 x samples.
     Matrix6x spread(const Matrix6x& scores, const std::vector<double>& taps) const {
-        const Eigen::Map<const Eigen::RowVectorXd> weights(taps.data(), static_cast<Eigen::Index>(taps.size()));
         Matrix6x result = Matrix6x::Zero(6, samples_);
-        for (Eigen::Index n = 0; n < scores.cols(); ++n)
-            result.middleCols(n * equations_.test_function.stride(), weights.size()).noalias() +=
-                scores.col(n) * weights;
+        for (Eigen::Index n = 0; n < scores.cols(); ++n) {
+            Eigen::Index k = n * equations_.test_function.stride();
+            for (const double tap : taps) result.col(k++) += tap * scores.col(n);
+        }
         return result;
     }
 
     const RunEquations& equations_;
-    LinearResponse linear_;
-    Matrix6d dashpots_;
+    Matrix6d mass_, dashpots_;
+    std::vector<Matrix6d> stiffness_;  // at each sample
     Eigen::Index samples_;
     bool accelerations_;
     PartNoise mobile_, fixed_;
@@ -134,7 +138,7 @@ Eigen::VectorXd calcChannelNoiseVariances(const Solver& solver, const LinearSyst
     Eigen::VectorXd variances = Eigen::VectorXd::Zero(count);
     for (std::size_t r = 0; r < solver.runCount(); ++r) {
         const RunEffect effect(solver.motions()[r], solver.model(), solver.equations().runs()[r]);
-        const RowMatrix influence = solver.calcSensitivity(r, system) * system.inverse;
+        const RowMatrix influence = solver.equations().apply(r, solver.makeSensitivityColumns(system) * system.inverse);
         const Matrix6d back = solver.equations().whitening(r).transpose();
         runParallel(static_cast<std::size_t>(count), [&](std::size_t j) {
             const Eigen::VectorXd column = influence.col(static_cast<Eigen::Index>(j));
