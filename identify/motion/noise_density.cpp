@@ -43,7 +43,8 @@ NoiseDensity::NoiseDensity(const Eigen::MatrixXd& residuals, int freedom, double
         for (Eigen::Index b = 0; b < spectra.cols(); ++b)
             power[b].push_back(spectra.col(b).squaredNorm() / (gain * freedom));
     }
-    const double ratio = calcQuartileRatio(2.0 * freedom);
+    // Of one stretch there is no quartile: it is its own mean.
+    const double ratio = power.front().size() > 1 ? calcQuartileRatio(2.0 * freedom) : 1.0;
     for (auto& values : power) {
         const auto quartile = values.begin() + static_cast<long>(values.size() / 4);
         std::nth_element(values.begin(), quartile, values.end());
@@ -87,10 +88,17 @@ double NoiseDensity::medianBetween(double from, double to) const {
     return *middle;
 }
 
-void NoiseDensity::levelBelow(double frequency) {
+void NoiseDensity::limitBelow(double frequency) {
     const auto first = std::min(static_cast<std::size_t>(std::ceil(frequency / resolution_)), variance_.size() - 1);
-    std::fill_n(variance_.begin(), first, variance_[first]);
-    if (first > 0) std::fill(finer_.begin(), finer_.end(), variance_[first]);
+    const double pink = variance_[first] * static_cast<double>(first) * resolution_;
+    const auto limit = [&](std::vector<double>& variances, double resolution) {
+        for (std::size_t k = 0; k < variances.size(); ++k) {
+            const double f = std::max(0.5, static_cast<double>(k)) * resolution;
+            if (f < static_cast<double>(first) * resolution_) variances[k] = std::min(variances[k], pink / f);
+        }
+    };
+    limit(variance_, resolution_);
+    limit(finer_, finer_resolution_);
 }
 
 void NoiseDensity::scale(double factor) {
@@ -106,6 +114,22 @@ namespace {
 
 constexpr int kStretchesOfRun = 8;          // of a run: a quartile of their overlapping ones scatters by a fifth
 constexpr Eigen::Index kChannelsShown = 6;  // that are transformed: all have the same noise
+constexpr std::size_t kLostLines = 3;       // of a spectrum to the mean that is taken off: half the window's main lobe
+constexpr std::size_t kShownLines = 6;      // from there on, that show how noise goes on below: their mean scatters by
+                                            // 0.4 over the root of the freedom
+
+/// The mean that was taken off, and the lines that go with it, as 1/f noise above the white has them that is as large
+/// in the next lines.
+NoiseDensity continueToZero(const NoiseDensity& whole, double mean, double white) {
+    std::vector<double> variances = whole.variances();
+    if (variances.size() < kLostLines + kShownLines) return whole;
+    double pink = 0;  // times the distance of two lines
+    for (std::size_t k = kLostLines; k < kLostLines + kShownLines; ++k)
+        pink += static_cast<double>(k) * (variances[k] - white) / kShownLines;
+    variances[0] = mean;
+    for (std::size_t k = 1; k < kLostLines; ++k) variances[k] = white + std::max(0.0, pink) / static_cast<double>(k);
+    return {whole.resolution(), std::move(variances)};
+}
 
 }  // namespace
 
@@ -120,7 +144,10 @@ NoiseDensity estimateNoiseDensity(const Eigen::MatrixXd& residuals, int redundan
     const Eigen::MatrixXd some = std::sqrt(freedom / left) * residuals(Eigen::seqN(0, count, every), Eigen::all);
     const double length = static_cast<double>(residuals.cols()) * interval;
     NoiseDensity density(some, freedom, interval, kStretchesOfRun / length, 0.0);
-    density.refine({some.colwise() - some.rowwise().mean(), freedom, interval, 1 / length, 0.0});
+    const Eigen::VectorXd means = some.rowwise().mean();
+    const NoiseDensity whole(some.colwise() - means, freedom, interval, 1 / length, 0.0);
+    density.refine(continueToZero(whole, means.squaredNorm() * static_cast<double>(some.cols()) / freedom,
+                                  density.medianBetween(0.25 / interval, 0.5 / interval)));
     return density;
 }
 

@@ -39,8 +39,9 @@ public:
     double at(double frequency) const;
     /// Of the bands between two frequencies; that at `to` if there is none.
     double medianBetween(double from, double to) const;
-    /// Gives all bands below a frequency what the first one from there on has.
-    void levelBelow(double frequency);
+    /// Lets no band below a frequency have more than 1/f noise has there that is as large in the first one from there
+    /// on.
+    void limitBelow(double frequency);
     /// All of it by a factor.
     void scale(double factor);
     /// Variance of a sample: the mean over all frequencies.

@@ -8,6 +8,7 @@
 #include "identify/motion/motion.hpp"
 #include "identify/motion/uniform_sampling.hpp"
 #include "identify/problem/fast_motion.hpp"
+#include "identify/problem/unseen_noise.hpp"
 #include "models/bryant.hpp"
 #include "models/common/error.hpp"
 
@@ -19,8 +20,6 @@ namespace {
 constexpr double kHarmonics = 13;
 constexpr double kSpectrumBands = 4;  // bands of the noise's spectrum below the lowest excited frequency
 constexpr double kLeastNoise = 1e-7;  // of a channel's RMS: what a file of seven digits rounds off
-constexpr double kBeyond = 2;         // of the highest driven frequency: no drive is meant from there on
-constexpr double kPassed = 0.3;       // of the sampling rate, which an anti-alias filter at 0.4 of it passes
 constexpr double kUnseen = 1e-10;     // relative singular value of motions that channels do not show
 
 /// Channels minus the best rigid motion, with the turning of the part taken exactly.
@@ -47,21 +46,11 @@ double meanSquare(const Eigen::MatrixXd& values) {
     return values.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, values.size()));
 }
 
-/// Of channels that have no redundancy and whose drive fills its band at all times: their noise is taken for white, as
-/// it is where nothing is driven and an anti-alias filter lets it through.
-NoiseDensity findWhiteNoise(const Eigen::MatrixXd& values, int count, const ExcitedBand& band, double interval,
-                            double resolution) {
-    const NoiseDensity density(values, std::max(1, count), interval, resolution,
-                               kLeastNoise * kLeastNoise * meanSquare(values));
-    const double highest = kPassed / interval;
-    return NoiseDensity(density.medianBetween(std::min(kBeyond * band.highest, 0.5 * highest), highest));
-}
-
-/// So with every load, since it has no redundancy under any drive.
+/// A load has no redundancy under any drive.
 NoiseDensity findLoadNoise(const Eigen::Matrix3Xd& load, const ExcitedBand& band, double interval, double resolution) {
     int axes = 0;
     for (Eigen::Index a = 0; a < 3; ++a) axes += load.row(a).isZero(0.0) ? 0 : 1;
-    return findWhiteNoise(load, axes, band, interval, resolution);
+    return estimateNoiseBesideBand(load, std::max(1, axes), band, interval, resolution);
 }
 
 }  // namespace
@@ -124,14 +113,14 @@ TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, c
             layout, samples, group, group.part == Part::mobile ? run.motion.mobile : run.motion.fixed, freedom);
         const auto rows = static_cast<int>(residual.rows());
         if (freedom <= 0 && !run.swept.is_sine) {
-            run.noise.push_back(findWhiteNoise(residual, rows, run.band, interval, resolution));
+            run.noise.push_back(estimateNoiseBesideBand(residual, rows, run.band, interval, resolution));
             continue;
         }
         const double least = kLeastNoise * kLeastNoise * meanSquare(samples.values);
         // Without redundancy the channels themselves, in the quarter of the time in which a sweep is elsewhere.
         run.noise.emplace_back(residual, freedom > 0 ? freedom : rows, interval, resolution, least);
         // Below the sweep motion may be slow, and always there: the creep of a table was taken for 0.2 mm of noise.
-        if (freedom <= 0) run.noise.back().levelBelow(run.band.lowest);
+        if (freedom <= 0) run.noise.back().limitBelow(run.band.lowest);
     }
     if (reachesStops(makeOpenLoopRun(run.motion, believed, run.band, {}), believed))
         run.band.contact = calcContactFrequency(believed);

@@ -90,26 +90,33 @@ TEST_CASE("Noise is resolved below what a stretch resolves", "[noise density]") 
     CAPTURE(seed);
     std::mt19937 random(seed);
     std::normal_distribution<double> normal;
-    const int samples = 40000, channels = 12;
+    const int samples = 40000, channels = 12, draws = 20;
     const double tau = 2.0, keep = std::exp(-kInterval / tau), deviation = 3e-6;
-    Eigen::MatrixXd residual(channels, samples);
-    Eigen::VectorXd state = Eigen::VectorXd::NullaryExpr(channels, [&] { return deviation * normal(random); });
-    for (int k = 0; k < samples; ++k) {
-        residual.col(k) = state;
-        state = keep * state + deviation * std::sqrt(1 - keep * keep) *
-                                   Eigen::VectorXd::NullaryExpr(channels, [&] { return normal(random); });
-    }
-    const NoiseDensity density = estimateNoiseDensity(residual, channels, 0, kInterval);
     const auto exact = [&](double f) {
         const double x = kTwoPi * f * kInterval;
         return deviation * deviation * (1 - keep * keep) / (1 - 2 * keep * std::cos(x) + keep * keep);
     };
-    // Below a fifth of a hertz, what eight stretches resolve, a few bins of twelve channels: within a factor of two.
-    double below = 0, expected = 0;
-    for (double f = 0.075; f < 0.2; f += 0.025) {
-        below += density.at(f);
-        expected += exact(f);
+    // The mean of a run, whose line is a fortieth of a hertz wide; what eight stretches do not resolve; what they do.
+    const std::vector<std::vector<double>> bands{{0.0}, {0.075, 0.1, 0.125, 0.15, 0.175}, {1.0}, {5.0}};
+    std::vector<double> sums(bands.size(), 0.0), expected(bands.size(), 0.0);
+    for (int draw = 0; draw < draws; ++draw) {
+        Eigen::MatrixXd residual(channels, samples);
+        Eigen::VectorXd state = Eigen::VectorXd::NullaryExpr(channels, [&] { return deviation * normal(random); });
+        for (int k = 0; k < samples; ++k) {
+            residual.col(k) = state;
+            state = keep * state + deviation * std::sqrt(1 - keep * keep) *
+                                       Eigen::VectorXd::NullaryExpr(channels, [&] { return normal(random); });
+        }
+        const NoiseDensity density = estimateNoiseDensity(residual, channels, 0, kInterval);
+        for (std::size_t i = 0; i < bands.size(); ++i)
+            for (const double f : bands[i]) {
+                sums[i] += density.at(f) / draws;
+                expected[i] += exact(f) / draws;
+            }
     }
-    CHECK(below == Approx(expected).epsilon(0.5));
-    for (const double f : {1.0, 5.0}) CHECK(density.at(f) == Approx(exact(f)).epsilon(0.5));
+    // Of the mean over twenty draws of six channels a tenth is chance.
+    for (std::size_t i = 0; i < bands.size(); ++i) {
+        CAPTURE(bands[i].front());
+        CHECK(sums[i] == Approx(expected[i]).epsilon(0.35));
+    }
 }

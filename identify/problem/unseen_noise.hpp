@@ -1,0 +1,25 @@
+/// @file
+/// The noise of channels that have no redundancy, under a drive that fills its band at all times.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "identify/motion/noise_density.hpp"
+#include "identify/problem/open_loop_run.hpp"
+
+namespace wems::identify {
+
+/// What stands beside the driven band: white noise as above it, where nothing is driven and an anti-alias filter lets
+/// it through, and 1/f noise as below it,
+///
+///     S(f) = w + p / f.
+///
+/// Below the band there may be more than noise: a drive that fades out, a table that creeps. Neither falls as 1/f, so
+/// that the octave in which f S(f) is least bounds p. White alone where no octave below the band is resolved.
+/// @param values channels x samples
+/// @param count of those that are not zero, ≥ 1
+/// @param resolution Hz, of the answer
+NoiseDensity estimateNoiseBesideBand(const Eigen::MatrixXd& values, int count, const ExcitedBand& band, double interval,
+                                     double resolution);
+
+}  // namespace wems::identify

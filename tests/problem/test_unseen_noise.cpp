@@ -1,0 +1,86 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <complex>
+#include <random>
+
+#include "identify/motion/fourier.hpp"
+#include "identify/problem/unseen_noise.hpp"
+#include "models/common/units.hpp"
+#include "tests/seed.hpp"
+
+using namespace wems;
+using namespace wems::identify;
+
+namespace {
+
+constexpr int kSamples = 1 << 15, kChannels = 3;
+constexpr double kInterval = 5e-4, kLowest = 10, kHighest = 100;
+
+/// Gaussian, with the variance of a sample, as white noise, that a function of frequency says.
+template <class Function>
+Eigen::MatrixXd drawShaped(const Function& density, std::mt19937_64& random) {
+    const Fourier fourier(kSamples);
+    std::normal_distribution<double> normal(0, 1);
+    Eigen::MatrixXcd spectra = Eigen::MatrixXcd::Zero(kChannels, fourier.binCount());
+    for (Eigen::Index b = 1; b + 1 < spectra.cols(); ++b)
+        for (Eigen::Index c = 0; c < kChannels; ++c)
+            spectra(c, b) = std::sqrt(0.5 * kSamples * density(static_cast<double>(b) / (kSamples * kInterval))) *
+                            std::complex<double>(normal(random), normal(random));
+    return fourier.inverse(spectra, kSamples);
+}
+
+NoiseDensity estimate(const Eigen::MatrixXd& values) {
+    return estimateNoiseBesideBand(values, kChannels, {kLowest, kHighest, 13, 0}, kInterval, kLowest / 4);
+}
+
+bool isDriven(double f) {
+    return f >= kLowest && f <= kHighest;
+}
+
+}  // namespace
+
+TEST_CASE("Under a random drive noise is what stands beside the band", "[noise density]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    for (const double pink : {0.0, 30.0, 300.0}) {
+        CAPTURE(pink);
+        const auto noise = [&](double f) { return 1 + pink / f; };
+        const NoiseDensity density =
+            estimate(drawShaped([&](double f) { return noise(f) + (isDriven(f) ? 1e6 : 0); }, random));
+        // The least of three octaves, each of which scatters: of the part that falls with frequency up to 40 % less.
+        for (const double f : {10.0, 30.0, 100.0, 400.0}) {
+            CAPTURE(f, density.at(f));
+            CHECK(density.at(f) > 1 + 0.6 * pink / f - 0.15);
+            CHECK(density.at(f) < 1.15 * noise(f) + 0.15);
+        }
+    }
+}
+
+TEST_CASE("Neither a drive that fades out nor a slow creep is noise in the band", "[noise density]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    SECTION("a drive at 1 % where its band begins, 12 dB an octave below") {
+        const NoiseDensity density = estimate(drawShaped(
+            [&](double f) {
+                return 1 + (isDriven(f) ? 1e4 : f < kLowest ? 1e2 * std::pow(f / kLowest, 4) : 0);
+            },
+            random));
+        for (const double f : {10.0, 30.0, 100.0}) CHECK(density.at(f) == Approx(1).margin(0.4));
+    }
+    SECTION("creep, a thousand times the noise at a tenth of the band's begin") {
+        const NoiseDensity density = estimate(drawShaped(
+            [&](double f) { return 1 + (isDriven(f) ? 1e4 : 1e3 * std::pow(10 * f / kLowest, -6)); }, random));
+        for (const double f : {10.0, 30.0, 100.0}) CHECK(density.at(f) == Approx(1).margin(0.4));
+    }
+}
+
+// Below a sweep a channel without redundancy shows motion too: no more of it is noise than 1/f noise would be.
+TEST_CASE("Noise below a sweep is limited by what it is in it", "[noise density]") {
+    NoiseDensity density(2.5, {1000, 300, 20, 6, 4, 3, 2, 2});
+    density.limitBelow(10);
+    const double expected[] = {1000, 16, 8, 16 / 3.0, 4, 3, 2, 2};
+    CHECK(density.at(0) == Approx(32));
+    for (int k = 1; k < 8; ++k) CHECK(density.at(2.5 * k) == Approx(expected[k]));
+}
