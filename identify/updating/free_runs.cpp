@@ -53,14 +53,25 @@ FreeError FreeRuns::calcError(const TestPoint& point, const HypothesisSet& set) 
     return calcFreeError(corrected.runs, problem_.cleanModel(point));
 }
 
+DrivenNoise FreeRuns::calcDriven(const MountModel& model, unsigned seed) const {
+    double mean = 0, variance = 0, signal = 0;
+    for (const FreeRun& run : recorded_) {
+        const auto values = static_cast<double>(run.measured.size());
+        const DrivenNoise own = calcDrivenNoise(run, model, seed);
+        mean += values * own.square;
+        variance += std::pow(values * own.deviation, 2);
+        signal += calcComparedSquares(run);
+    }
+    return {mean / signal, std::sqrt(variance) / signal};
+}
+
 double FreeRuns::calcNoiseFloor(const MountModel& model, unsigned seed) const {
     double noise = 0, signal = 0;
     for (const FreeRun& run : recorded_) {
-        const auto values = static_cast<double>(run.measured.size());
-        noise += values * (calcNoiseVariance(run, model) + calcDrivenVariance(run, model, seed));
+        noise += static_cast<double>(run.measured.size()) * calcNoiseVariance(run, model);
         signal += calcComparedSquares(run);
     }
-    return std::sqrt(noise / signal);
+    return std::sqrt(noise / signal + calcDriven(model, seed).square);
 }
 
 }  // namespace wems::identify::updating

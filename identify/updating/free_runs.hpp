@@ -25,7 +25,9 @@ public:
     FreeError calcError(const MountModel& model) const { return calcFreeError(recorded_, model); }
     /// Of a point's model, against the runs without the faults of sensors that the set names.
     FreeError calcError(const TestPoint& point, const HypothesisSet& set) const;
-    /// The noise floor with what a model makes of the noise in what drives (driven_noise.hpp).
+    /// What a model makes of the noise in what drives (driven_noise.hpp), of the squared error.
+    DrivenNoise calcDriven(const MountModel& model, unsigned seed) const;
+    /// The noise floor with that.
     double calcNoiseFloor(const MountModel& model, unsigned seed) const;
 
     /// Runs without those faults, and the motions that they point at.

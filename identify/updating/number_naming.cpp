@@ -75,8 +75,7 @@ private:
     /// A number moved before it had a name: what the prediction makes of it shows where it is brought back to its
     /// tolerance. If all others could then make up for it, the equations must speak for it by far.
     bool isNeededBeyond(const SetState& next, const FreeError& judged, int hypothesis, const Evidence& evidence) const {
-        if (judge_(bringBack(problem_, next, at(hypothesis)), next.set).error < (1 + kWorth) * judged.error)
-            return false;
+        if (isWorthless(judged, judge_(bringBack(problem_, next, at(hypothesis)), next.set))) return false;
         return evidence.calcLogEvidence(next.set) - evidence.calcLogEvidence(state_.set) > kUnlikely ||
                !isWorthless(judged, judge_(holdBack(problem_, next, hypothesis, evidence), next.set));
     }

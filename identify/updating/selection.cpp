@@ -180,7 +180,7 @@ private:
         next.view = problem_.view(next.point, next.set);
         settler_.settle(next, kMostRefining, true);
         const FreeError judged = judge_(next.point, next.set);
-        if (!isWorthwhile(next, judged.error)) {
+        if (!isWorthwhile(next, judged)) {
             problem_.restore(before);
             return false;
         }
@@ -192,16 +192,16 @@ private:
         return true;
     }
 
-    bool isWorthwhile(const SetState& next, double error) const {
+    bool isWorthwhile(const SetState& next, const FreeError& judged) const {
         if (!isPossible(problem_, next.set, problem_.estimateOf(next.point))) return false;
-        double most = (1 + kWorth) * standing_.judged.error;
+        bool improves = false;
         const bool needed = isNeeded(next);
         for (const int h : next.set) {
             if (std::binary_search(state_.set.begin(), state_.set.end(), h)) continue;
             if (!isBeyondTolerance(problem_, at(h), next.point)) return false;
-            if (!needed && !isSensorFault(at(h))) most = (1 - kWorth) * standing_.judged.error;
+            improves = improves || (!needed && !isSensorFault(at(h)));
         }
-        return error <= most;
+        return improves ? isImproved(standing_.judged, judged) : judged.error <= (1 + kWorth) * standing_.judged.error;
     }
 
     /// Whether a cause stays, by the prediction without it. Where the equations leave more than noise, something else

@@ -291,19 +291,20 @@ DriveNoise TestProblem::calcDriveNoise(std::size_t index) const {
     DriveNoise noise;
     noise.lowest = run.band.lowest;
     noise.highest = run.band.highest;
-    const double middle = std::sqrt(noise.lowest * noise.highest);
-    noise.load = run.motion.load.cols() > 0 ? run.load_noise.at(middle) : 0;
+    if (run.motion.load.cols() > 0) noise.load = run.load_noise;
     const PartMotion& fixed = run.motion.fixed;
     for (std::size_t g = 0; g < layout_.groups.size(); ++g) {
         if (layout_.groups[g].part != Part::fixed) continue;
-        const double variance = run.noise[g].at(middle);
         const auto ofMotion = [&](const Matrix6& covariance) {
-            return variance * covariance.topLeftCorner<3, 3>().trace() / 3;
+            NoiseDensity density = run.noise[g];
+            density.scale(covariance.topLeftCorner<3, 3>().trace() / 3);
+            return density;
         };
         const bool displacement = layout_.groups[g].derivative == Derivative::displacement;
         if (displacement && fixed.displacement_measured) noise.displacement = ofMotion(fixed.displacement_covariance);
         if (!displacement && fixed.acceleration_measured) noise.acceleration = ofMotion(fixed.acceleration_covariance);
-        if (!displacement && run.motion.fixed_source == FixedSource::base) noise.base = noise.acceleration = variance;
+        if (!displacement && run.motion.fixed_source == FixedSource::base)
+            noise.base = noise.acceleration = run.noise[g];
     }
     return noise;
 }

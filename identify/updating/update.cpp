@@ -58,8 +58,12 @@ public:
     }
 
     Diagnosis run() {
+        std::optional<DrivenNoise> driven;  // of the first model that is judged: it changes little from one to another
         const FreeJudge predict = [&](const TestPoint& point, const HypothesisSet& set) {
-            return judging_.calcError(point, set);
+            FreeError judged = judging_.calcError(point, set);
+            if (!driven) driven = judging_.calcDriven(problem_.cleanModel(point), kSeed);
+            judged.driven = *driven;
+            return judged;
         };
         selection_ = selectCauses(problem_, predict, options_.progress);
         tell("free simulations");

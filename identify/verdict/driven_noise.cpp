@@ -57,15 +57,15 @@ RunMotion drawDrive(const FreeRun& free, unsigned seed) {
     std::mt19937_64 random(seed);
     const double twice = 2 * run.interval;  // one-sided density of a sampled white noise over its variance
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        if (noise.displacement > 0 || noise.acceleration > 0) {
+        if (noise.displacement || noise.acceleration) {
             // Of what both kinds of channel say together.
             const DrawnNoise drawn = drawNoise(
                 run, noise,
                 [&](double frequency) {
                     double precision = 0;
-                    if (noise.displacement > 0) precision += 1 / (twice * noise.displacement);
-                    if (noise.acceleration > 0)
-                        precision += std::pow(kTwoPi * frequency, 4) / (twice * noise.acceleration);
+                    if (noise.displacement) precision += 1 / (twice * noise.displacement->at(frequency));
+                    if (noise.acceleration)
+                        precision += std::pow(kTwoPi * frequency, 4) / (twice * noise.acceleration->at(frequency));
                     return 1 / precision;
                 },
                 random);
@@ -73,10 +73,10 @@ RunMotion drawDrive(const FreeRun& free, unsigned seed) {
             run.fixed.v.row(axis) += drawn.rate;
             run.fixed.a.row(axis) += drawn.second;
         }
-        const auto addTo = [&](Eigen::Matrix3Xd& rows, double variance) {
-            if (rows.cols() == 0 || !(variance > 0)) return;
+        const auto addTo = [&](Eigen::Matrix3Xd& rows, const std::optional<NoiseDensity>& density) {
+            if (rows.cols() == 0 || !density) return;
             rows.row(axis) += drawNoise(
-                                  run, noise, [&](double) { return twice * variance; }, random)
+                                  run, noise, [&](double frequency) { return twice * density->at(frequency); }, random)
                                   .value;
         };
         addTo(run.base, noise.base);
@@ -85,9 +85,15 @@ RunMotion drawDrive(const FreeRun& free, unsigned seed) {
     return run;
 }
 
+/// Whether calcNoiseVariance() has what the fixed part's noise makes of the measured displacements. A motion that is
+/// integrated from channels without redundancy has a noise that it does not know.
+bool isCounted(const RunMotion& run) {
+    return run.fixed.displacement_measured || std::isfinite(run.fixed.acceleration_noise);
+}
+
 }  // namespace
 
-double calcDrivenVariance(const FreeRun& run, const MountModel& model, unsigned seed) {
+DrivenNoise calcDrivenNoise(const FreeRun& run, const MountModel& model, unsigned seed) {
     std::array<std::optional<double>, kNoiseDraws> squares;
     try {
         const Eigen::MatrixXd reference = calcFreeResidual(run, model);
@@ -95,22 +101,32 @@ double calcDrivenVariance(const FreeRun& run, const MountModel& model, unsigned 
             const RunMotion drawn = drawDrive(run, seed + static_cast<unsigned>(d));
             FreeRun other = run;
             other.motion = &drawn;
+            if (!isCounted(*run.motion))
+                for (Eigen::Index row = 0; row < run.measured.rows(); ++row)
+                    other.measured.row(row) -= drawn.fixed.p.row(row % 3) - run.motion->fixed.p.row(row % 3);
             try {
                 squares.at(d) = (calcFreeResidual(other, model) - reference).squaredNorm();
             } catch (const SimulationDiverged&) {  // has no size
             }
         });
     } catch (const SimulationDiverged&) {
-        return 0;
+        return {};
     }
-    double sum = 0;
+    const auto values = static_cast<double>(std::max<Eigen::Index>(1, run.measured.size()));
+    double sum = 0, of_squares = 0;
     int count = 0;
     for (const std::optional<double>& square : squares) {
         if (!square) continue;
-        sum += *square;
+        const double mean = *square / values;
+        sum += mean;
+        of_squares += mean * mean;
         ++count;
     }
-    return count > 0 ? sum / count / static_cast<double>(std::max<Eigen::Index>(1, run.measured.size())) : 0;
+    if (count == 0) return {};
+    const double mean = sum / count;
+    // One draw alone says nothing of its scatter: its square may be all.
+    const double variance = count > 1 ? (of_squares - count * mean * mean) / (count - 1) : mean * mean;
+    return {mean, std::sqrt(std::max(0.0, variance))};
 }
 
 }  // namespace wems::identify

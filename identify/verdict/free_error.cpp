@@ -53,8 +53,21 @@ double lowestCompared(const RunMotion& run) {
 
 }  // namespace
 
+double calcExplainable(const FreeError& error) {
+    return std::max(error.error * error.error - error.driven.square,
+                    std::min(error.error * error.error, error.driven.deviation));
+}
+
 bool isWorthless(const FreeError& with, const FreeError& without) {
-    return without.error < (1 + kWorth) * with.error;
+    if (with.diverged) return true;
+    return without.error * without.error - with.error * with.error <
+           ((1 + kWorth) * (1 + kWorth) - 1) * calcExplainable(with);
+}
+
+bool isImproved(const FreeError& before, const FreeError& after) {
+    if (before.diverged || after.diverged) return before.diverged && !after.diverged;
+    return before.error * before.error - after.error * after.error >=
+           (1 - (1 - kWorth) * (1 - kWorth)) * calcExplainable(before);
 }
 
 bool isBelowNoise(const FreeError& with, const FreeError& without) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "identify/motion/motion.hpp"
+#include "identify/motion/noise_density.hpp"
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
 
@@ -22,10 +23,16 @@ namespace wems::identify {
 /// those of the rigid motion.
 Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion& run, const MountModel& model);
 
+/// What the noise of the drive makes of a free simulation: mean square of its draws and how much they scatter.
+struct DrivenNoise {
+    double square = 0, deviation = 0;
+};
+
 struct FreeError {
-    double error = 0;        ///< see above
-    double noise_floor = 0;  ///< what the recordings' noise alone gives
-    bool diverged = false;   ///< a simulation grew beyond all bounds; error is then infinite
+    double error = 0;         ///< see above
+    double noise_floor = 0;   ///< what the recordings' noise alone gives
+    bool diverged = false;    ///< a simulation grew beyond all bounds; error is then infinite
+    DrivenNoise driven = {};  ///< of the squared error; none where it was not asked for
 };
 
 /// Contract, verdict: an error asks for a cause if it lies above both.
@@ -39,19 +46,24 @@ inline bool isWorthExplaining(const FreeError& own) {
 /// another simulator true causes changed it by 13 % and more, a mode far above the sweep that was off by noise alone by
 /// 1 %.
 inline constexpr double kWorth = 0.05;
+/// That share is of what the noise of the drive leaves to be explained. Errors add as squares; how large the noise is
+/// in one recording is known to its scatter.
+double calcExplainable(const FreeError& error);
 /// Whether a prediction is as good without a cause: worse by less than that.
 bool isWorthless(const FreeError& with, const FreeError& without);
+/// Whether a prediction is better than another by at least that.
+bool isImproved(const FreeError& before, const FreeError& after);
 /// Whether a cause's part of the error lies below the noise that the prediction is compared with. Errors add as
 /// squares.
 bool isBelowNoise(const FreeError& with, const FreeError& without);
 
-/// Variance of one sample of what drives a run, as white noise; 0 of what is not recorded. Of the fixed part that of
-/// its motion, which several channels determine together.
+/// Variance of one sample of what drives a run; none of what is not recorded. Of the fixed part that of its motion,
+/// which several channels determine together.
 struct DriveNoise {
-    double displacement = 0, acceleration = 0;  ///< of the fixed part: m², (m/s²)²
-    double base = 0;                            ///< (m/s²)²
-    double load = 0;                            ///< N²
-    double lowest = 0, highest = 0;             ///< Hz, that the run is excited from and to
+    std::optional<NoiseDensity> displacement, acceleration;  ///< of the fixed part: m², (m/s²)²
+    std::optional<NoiseDensity> base;                        ///< (m/s²)²
+    std::optional<NoiseDensity> load;                        ///< N²
+    double lowest = 0, highest = 0;                          ///< Hz, that the run is excited from and to
 };
 
 /// One run with what it is compared with.

@@ -1,12 +1,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <complex>
 #include <random>
 #include <string>
 
 #include "identify/problem/mount_equation.hpp"
 #include "identify/updating/test_problem.hpp"
-#include "identify/verdict/driven_noise.hpp"
 #include "identify/verdict/free_error.hpp"
 #include "models/axis_law.hpp"
 #include "models/common/units.hpp"
@@ -268,41 +266,6 @@ TEST_CASE("A guided device on a shaken table leaves nothing but noise at the tru
     MountModel wrong = model;
     wrong.connections[0].axis[2].stops[0].clearance *= 1.1;
     CHECK(calcMountMisfit(recording, wrong) > 3 * exact);
-}
-
-// Of a linear device the mean square is the integral of the load's density times the squared receptance.
-TEST_CASE("What the noise of a load makes of a linear device is its receptance") {
-    MountModel model = makeGuidedDevice();
-    double k = 0, c = 0;
-    for (const Connection& connection : model.connections) {
-        k += connection.axis[2].stiffness;
-        c += connection.axis[2].damping;
-    }
-    constexpr int kSamples = 40000;
-    constexpr double kRate = 2000, kVariance = 0.04;
-    RunMotion run;
-    run.interval = 1 / kRate;
-    for (int i = 0; i < kSamples; ++i) run.time.push_back(i / kRate);
-    for (PartMotion* part : {&run.mobile, &run.fixed})
-        for (Eigen::Matrix3Xd* rows : {&part->p, &part->theta, &part->v, &part->w, &part->a, &part->alpha})
-            rows->setZero(3, kSamples);
-    run.fixed_source = FixedSource::still;
-    run.mobile.displacement_measured = true;
-    run.load.setZero(3, kSamples);
-    run.trusted_to = 0.25 * kRate;
-    FreeRun free{&run, Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(model.connections.size()), kSamples)};
-    const double resonance = std::sqrt(k / model.body.mass) / kTwoPi;
-    free.drive.load = kVariance;
-    free.drive.lowest = 0.2 * resonance;
-    free.drive.highest = 3 * resonance;
-    double expected = 0;
-    const double from = 0.5 * free.drive.lowest, to = 2 * free.drive.highest, step = 1e-4 * resonance;
-    for (double f = from + step / 2; f < to; f += step) {
-        const double w = kTwoPi * f;
-        expected += step * 2 / kRate * kVariance / std::norm(std::complex<double>(k - model.body.mass * w * w, c * w));
-    }
-    // Along z alone, one of three rows of each connection. Twenty seconds begin at rest and hold some 15 % of chance.
-    CHECK(3 * calcDrivenVariance(free, model, 7) == Approx(expected).epsilon(0.3));
 }
 
 // Markers show where the table creeps to and its accelerometer does not: nine times as far as the mass moves in its
