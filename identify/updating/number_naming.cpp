@@ -54,9 +54,9 @@ private:
         settler_.settle(next, kMostRefining, true);
         const FreeError judged = judge_(next.point, next.set);
         const Evidence evidence = makeEvidence(problem_, next.view, next.scales, true);
-        const bool needed = isSensorFault(at(hypothesis)) ? judged.error <= (1 + kWorth) * standing_.judged.error
-                                                          : isNeededBeyond(next, judged, hypothesis, evidence);
-        if (!needed) return false;
+        // No cause explains by a prediction that is worse with it.
+        if (judged.error > (1 + kWorth) * standing_.judged.error) return false;
+        if (!isSensorFault(at(hypothesis)) && !isNeededBeyond(next, judged, hypothesis, evidence)) return false;
         const Posterior posterior = evidence.calcPosterior(next.set);
         const double probability = calcBeyondProbability(problem_, at(hypothesis), next.point, posterior);
         if (probability < 0.5 || !isBorneOut(next, hypothesis, evidence)) return false;
