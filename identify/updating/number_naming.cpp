@@ -54,8 +54,9 @@ private:
         settler_.settle(next, kMostRefining, true);
         const FreeError judged = judge_(next.point, next.set);
         const Evidence evidence = makeEvidence(problem_, next.view, next.scales, true);
-        // No cause explains by a prediction that is worse with it.
-        if (judged.error > (1 + kWorth) * standing_.judged.error) return false;
+        // No cause explains by a prediction that is worse with it, unless both are as good as asked for.
+        const bool matters = isSensorFault(at(hypothesis)) || isWorthExplaining(judged);
+        if (matters && judged.error > (1 + kWorth) * standing_.judged.error) return false;
         if (!isSensorFault(at(hypothesis)) && !isNeededBeyond(next, judged, hypothesis, evidence)) return false;
         const Posterior posterior = evidence.calcPosterior(next.set);
         const double probability = calcBeyondProbability(problem_, at(hypothesis), next.point, posterior);
