@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "identify/fit/linear_response.hpp"
