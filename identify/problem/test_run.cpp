@@ -50,7 +50,8 @@ double meanSquare(const Eigen::MatrixXd& values) {
 NoiseDensity findLoadNoise(const Eigen::Matrix3Xd& load, const ExcitedBand& band, double interval, double resolution) {
     int axes = 0;
     for (Eigen::Index a = 0; a < 3; ++a) axes += load.row(a).isZero(0.0) ? 0 : 1;
-    return estimateNoiseBesideBand(load, std::max(1, axes), band, interval, resolution);
+    return estimateNoiseBesideBand(load, std::max(1, axes), band, interval, resolution,
+                                   kLeastNoise * kLeastNoise * meanSquare(load));
 }
 
 }  // namespace
@@ -112,11 +113,11 @@ TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, c
         const Eigen::MatrixXd residual = calcRigidResidual(
             layout, samples, group, group.part == Part::mobile ? run.motion.mobile : run.motion.fixed, freedom);
         const auto rows = static_cast<int>(residual.rows());
+        const double least = kLeastNoise * kLeastNoise * meanSquare(samples.values);
         if (freedom <= 0 && !run.swept.is_sine) {
-            run.noise.push_back(estimateNoiseBesideBand(residual, rows, run.band, interval, resolution));
+            run.noise.push_back(estimateNoiseBesideBand(residual, rows, run.band, interval, resolution, least));
             continue;
         }
-        const double least = kLeastNoise * kLeastNoise * meanSquare(samples.values);
         // Without redundancy the channels themselves, in the quarter of the time in which a sweep is elsewhere.
         run.noise.emplace_back(residual, freedom > 0 ? freedom : rows, interval, resolution, least);
         // Below the sweep motion may be slow, and always there: the creep of a table was taken for 0.2 mm of noise.

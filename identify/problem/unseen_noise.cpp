@@ -7,11 +7,10 @@
 namespace wems::identify {
 namespace {
 
-constexpr double kLeastPart = 1e-7;  // of a channel's RMS: what a file of seven digits rounds off
-constexpr double kBeyond = 2;        // of the highest driven frequency: no drive is meant from there on
-constexpr double kPassed = 0.3;      // of the sampling rate, which an anti-alias filter at 0.4 of it passes
-constexpr double kLinesBelow = 32;   // of the spectrum below the band: three octaves between what leaks from both ends
-constexpr int kLeak = 3;             // lines on each side, of the window of NoiseDensity
+constexpr double kBeyond = 2;       // of the highest driven frequency: no drive is meant from there on
+constexpr double kPassed = 0.3;     // of the sampling rate, which an anti-alias filter at 0.4 of it passes
+constexpr double kLinesBelow = 32;  // of the spectrum below the band: three octaves between what leaks from both ends
+constexpr int kLeak = 3;            // lines on each side, of the window of NoiseDensity
 
 /// Of the octaves below the band the least mean of f S(f), unit² Hz as NoiseDensity has it; 0: none is resolved.
 double findPink(const NoiseDensity& density, double lowest, double white) {
@@ -33,10 +32,8 @@ double findPink(const NoiseDensity& density, double lowest, double white) {
 }  // namespace
 
 NoiseDensity estimateNoiseBesideBand(const Eigen::MatrixXd& values, int count, const ExcitedBand& band, double interval,
-                                     double resolution) {
+                                     double resolution, double least) {
     const Eigen::MatrixXd moving = values.colwise() - values.rowwise().mean();
-    const double least =
-        kLeastPart * kLeastPart * values.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, values.size()));
     const double highest = kPassed / interval, from = std::min(kBeyond * band.highest, 0.5 * highest);
     const double above = NoiseDensity(moving, count, interval, resolution, least).medianBetween(from, highest);
     const double pink = findPink({moving, count, interval, band.lowest / kLinesBelow, least}, band.lowest, above);

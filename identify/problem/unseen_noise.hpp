@@ -19,7 +19,8 @@ namespace wems::identify {
 /// @param values channels x samples
 /// @param count of those that are not zero, ≥ 1
 /// @param resolution Hz, of the answer
+/// @param least variance below which no noise lies (round-off of the file), unit²
 NoiseDensity estimateNoiseBesideBand(const Eigen::MatrixXd& values, int count, const ExcitedBand& band, double interval,
-                                     double resolution);
+                                     double resolution, double least);
 
 }  // namespace wems::identify

@@ -194,14 +194,15 @@ private:
 
     bool isWorthwhile(const SetState& next, const FreeError& judged) const {
         if (!isPossible(problem_, next.set, problem_.estimateOf(next.point))) return false;
-        bool improves = false;
+        bool must_improve = false;
         const bool needed = isNeeded(next);
         for (const int h : next.set) {
             if (std::binary_search(state_.set.begin(), state_.set.end(), h)) continue;
             if (!isBeyondTolerance(problem_, at(h), next.point)) return false;
-            improves = improves || (!needed && !isSensorFault(at(h)));
+            must_improve = must_improve || (!needed && !isSensorFault(at(h)));
         }
-        return improves ? isImproved(standing_.judged, judged) : judged.error <= (1 + kWorth) * standing_.judged.error;
+        return must_improve ? isImproved(standing_.judged, judged)
+                            : judged.error <= (1 + kWorth) * standing_.judged.error;
     }
 
     /// Whether a cause stays, by the prediction without it. Where the equations leave more than noise, something else

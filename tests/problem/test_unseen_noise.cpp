@@ -30,7 +30,7 @@ Eigen::MatrixXd drawShaped(const Function& density, std::mt19937_64& random) {
 }
 
 NoiseDensity estimate(const Eigen::MatrixXd& values) {
-    return estimateNoiseBesideBand(values, kChannels, {kLowest, kHighest, 13, 0}, kInterval, kLowest / 4);
+    return estimateNoiseBesideBand(values, kChannels, {kLowest, kHighest, 13, 0}, kInterval, kLowest / 4, 0);
 }
 
 bool isDriven(double f) {
