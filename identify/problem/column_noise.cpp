@@ -239,6 +239,16 @@ ColumnNoise::Slope ColumnNoise::calcSlope(const ModeChange& change) const {
     return sum;
 }
 
+ColumnNoise::Slope ColumnNoise::calcLevels() const {
+    Slope squares = Slope::Zero(), count = Slope::Zero();
+    for (Eigen::Index b = 0; b < residual_.cols(); ++b) {
+        squares.col(bandOf(b)) +=
+            Eigen::Vector2d(residual_.col(b).head<6>().squaredNorm(), residual_.col(b).tail<6>().squaredNorm());
+        count.col(bandOf(b)) += 6 * Eigen::Vector2d(calcFreedom(model_.body).mean(), 1);
+    }
+    return squares.cwiseQuotient(count.cwiseMax(1.0));
+}
+
 const ColumnNoise::WeightedProducts& ColumnNoise::calcWeighted(const std::shared_ptr<const Eigen::VectorXcd>& weight,
                                                                Part part) {
     const auto [place, added] = weighted_.try_emplace({weight.get(), part});

@@ -78,6 +78,8 @@ public:
     /// By the noise that an axis' stiffness beyond its mean spreads over all frequencies: R holds its power times d dᵀ,
     /// which a change of the law moves as the square of that stiffness.
     Slope calcContactSlope(const TestState& from, const TestState& to, int connection, int axis, double step) const;
+    /// Of each band, what the residual leaves over its noise.
+    Slope calcLevels() const;
     /// N of the whitened rows from `first` (6 of them).
     /// @param columns null: without noise
     Eigen::MatrixXd calcProducts(const std::vector<Column>& columns, Eigen::Index first) const;

@@ -19,6 +19,9 @@ void BlockInformation::add(const BlockInformation& other) {
         both << noise_slopes, other.noise_slopes;
         noise_slopes = both;
     }
+    Eigen::VectorXd levels(noise_levels.size() + other.noise_levels.size());
+    levels << noise_levels, other.noise_levels;
+    noise_levels = levels;
     const auto sum = [](auto& own, const auto& added) {
         if (own.size() == 0)
             own = added;
@@ -28,6 +31,8 @@ void BlockInformation::add(const BlockInformation& other) {
     sum(scatter, other.scatter);
     sum(noise, other.noise);
     sum(noise_right, other.noise_right);
+    sum(growth, other.growth);
+    sum(growth_right, other.growth_right);
     chi_squared += other.chi_squared;
     count += other.count;
 }
@@ -36,7 +41,17 @@ void add(Information& sum, const Information& other) {
     for (std::size_t k = 0; k < kBlocks; ++k) sum[k].add(other[k]);
 }
 
-BlockInformation combine(const Information& information, const BlockScales& scales, const Eigen::VectorXd& reach) {
+Eigen::MatrixXd calcGrowth(const BlockInformation& block) {
+    const double misfit = block.chi_squared / block.count;
+    if (!(misfit > 1) || block.noise_slopes.cols() == 0) return {};
+    const Eigen::VectorXd s = block.noise_slopes.rowwise().sum(), b = block.b - s / misfit;
+    const Eigen::MatrixXd product = (b - 0.5 * (1 - 1 / misfit) * s) * s.transpose() / block.chi_squared;
+    return product + product.transpose();
+}
+
+BlockInformation combine(const Information& information, const BlockScales& scales, const Eigen::VectorXd& reach,
+                         Growth growth) {
+    const bool followed = growth == Growth::followed;
     BlockInformation sum;
     for (std::size_t k = 0; k < kBlocks; ++k) {
         BlockInformation scaled = information[k];
@@ -46,6 +61,10 @@ BlockInformation combine(const Information& information, const BlockScales& scal
         scaled.b /= scales[k].scale;
         if (scaled.noise_slopes.size() > 0) scaled.b -= scaled.noise_slopes.rowwise().sum();
         scaled.chi_squared /= scales[k].scale;
+        if (followed && scaled.growth.size() > 0) {
+            scaled.A -= scaled.growth / scales[k].scale;
+            if (scaled.growth_right.size() > 0) scaled.b += scaled.growth_right / scales[k].scale;
+        }
         if (scaled.scatter.size() > 0) scaled.scatter /= scales[k].scale;
         // The columns' noise is that of the channels, whatever a wrong model leaves.
         const double level = std::min(1.0, scales[k].level) / scales[k].scale;
@@ -58,7 +77,9 @@ BlockInformation combine(const Information& information, const BlockScales& scal
     std::vector<Eigen::Index> seen;
     for (Eigen::Index i = 0; i < sum.b.size(); ++i)
         if (sum.A(i, i) > 0) seen.push_back(i);
-    const Eigen::MatrixXd A = sum.A(seen, seen), slopes = sum.noise_slopes(seen, Eigen::all);
+    const Eigen::MatrixXd A = sum.A(seen, seen);
+    Eigen::MatrixXd slopes = sum.noise_slopes(seen, Eigen::all);
+    if (followed) slopes *= sum.noise_levels.cwiseMax(1.0).cwiseInverse().asDiagonal();
     Eigen::MatrixXd C = A;
     C.diagonal() += reach(seen).cwiseAbs2().cwiseInverse();
     if (sum.scatter.size() > 0) C += sum.scatter(seen, seen);
@@ -73,6 +94,7 @@ BlockInformation combine(const Information& information, const BlockScales& scal
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(count, count);
     product.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
     product.triangularView<Eigen::StrictlyUpper>() = product.transpose();
+    sum.A.setZero();
     sum.A(seen, seen) = product;
     sum.b.setZero();
     sum.b(seen) = b;

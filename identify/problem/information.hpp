@@ -29,9 +29,12 @@ struct BlockInformation {
     Eigen::MatrixXd A;
     Eigen::VectorXd b;             ///< JᵀR⁻¹r
     Eigen::MatrixXd noise_slopes;  ///< s of each band of frequency of each run, whose noise is known apart
+    Eigen::VectorXd noise_levels;  ///< of each of those bands: what is left there where s was formed, over the noise
     Eigen::MatrixXd noise;         ///< N: what of A the noise of the regressors makes; empty: nothing
     Eigen::VectorXd noise_right;  ///< by which N moves b: −N δ, δ from where the columns were formed; empty: nothing
-    Eigen::MatrixXd scatter;      ///< by which JᵀR⁻¹r varies beyond A, where noise comes in bursts; empty: none
+    Eigen::MatrixXd growth;       ///< K: what of A the growth of R with a wrong model's residual takes; empty: nothing
+    Eigen::VectorXd growth_right;  ///< −K δ, as that of N; empty: nothing
+    Eigen::MatrixXd scatter;       ///< by which JᵀR⁻¹r varies beyond A, where noise comes in bursts; empty: none
     double chi_squared = 0;
     double count = 0;  ///< real values
 
@@ -43,6 +46,13 @@ using Information = std::array<BlockInformation, kBlocks>;
 
 void add(Information& sum, const Information& other);
 
+/// K of a block about the point where it was formed. The least of rᵀR⁻¹r, R that of each point, is where R^{-½} r is
+/// least. If R grows alike at all frequencies, its columns are those of r less r sᵀ / χ² (Gauss–Newton): of what a
+/// wrong model leaves, d with J_dᵀd = b − s/m and d² = χ² (1 − 1/m), m the misfit, the product is A − K with K = ((b −
+/// s/m) sᵀ + s (b − s/m)ᵀ − (1 − 1/m) s sᵀ) / χ². What noise leaves is N's. With A alone steps would go where R is
+/// large, however badly the equations are satisfied there.
+Eigen::MatrixXd calcGrowth(const BlockInformation& block);
+
 /// How a block's values scatter beside what the noise's estimate says.
 struct BlockScale {
     double scale = 1;  ///< by which its squares weigh less; 1 for a perfect model
@@ -50,11 +60,19 @@ struct BlockScale {
 };
 using BlockScales = std::array<BlockScale, kBlocks>;
 
+/// What of a wrong model the growth of its covariance R explains.
+enum class Growth {
+    doubted,  ///< little: that a number grows R is no evidence for it
+    followed  ///< all: a step of numbers that are sought is tried under the R of where it leads
+};
+
 /// All blocks together, each over its scale, b with its noise slopes taken off, A with the regressors' noise: A' = A −
 /// N. The level of the noise in each band is known to a part τ only, so that b scatters by τ s more than by A, and
 /// bursts of noise add theirs (V): A and b become A' C⁻¹ A' and A' C⁻¹ b with C = A + V + τ² Σ s sᵀ. What is a factor
-/// on all forces, in which nothing but that level speaks, is then left to its prior.
+/// on all forces, in which nothing but that level speaks, is then left to its prior. Where growth is followed, A is A −
+/// K, and s in C is without what a wrong model adds to it.
 /// @param reach standard deviation of each column where it is free
-BlockInformation combine(const Information& information, const BlockScales& scales, const Eigen::VectorXd& reach);
+BlockInformation combine(const Information& information, const BlockScales& scales, const Eigen::VectorXd& reach,
+                         Growth growth = Growth::doubted);
 
 }  // namespace wems::identify

@@ -241,6 +241,7 @@ public:
         slopes_[column] = noise_.calcSlope(effect);
         noisy_[column] = noise_.makeSensor(effect);
     }
+    Eigen::VectorXd calcNoiseLevels(bool bracket) const { return noise_.calcLevels().row(bracket ? 1 : 0).transpose(); }
     Eigen::MatrixXd calcNoiseProducts(bool bracket) const { return noise_.calcProducts(noisy_, bracket ? 6 : 0); }
     BlockColumns& mount() { return mount_; }
     BlockColumns& bracket() { return bracket_; }
@@ -301,6 +302,7 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
         mount.A = mount.A.topLeftCorner(columns.size(), columns.size()).eval();
         mount.b = mount.b.head(columns.size()).eval();
         mount.noise_slopes = maker.calcNoiseSlopes(false).topRows(columns.size());
+        mount.noise_levels = maker.calcNoiseLevels(false);
         mount.noise = maker.calcNoiseProducts(false);
         mount.scatter = maker.calcScatter(columns.size());
     };
@@ -310,6 +312,7 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
         bracket = maker.bracket().calcInformation(unfold(at.residual().bottomRows(6)));
         marginalise(bracket, extra, calcTransientPrecision(at, state.model));
         bracket.noise_slopes = maker.calcNoiseSlopes(true).topRows(columns.size());
+        bracket.noise_levels = maker.calcNoiseLevels(true);
         bracket.noise = maker.calcNoiseProducts(true);
     };
     const auto informSensors = [&](Part part) {
@@ -318,6 +321,8 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
     };
     runParallel(
         {informMount, informBracket, [&] { informSensors(Part::mobile); }, [&] { informSensors(Part::fixed); }});
+    for (BlockInformation& block : result.information)
+        if (!block.empty()) block.growth = calcGrowth(block);
     result.mount_residual = at.residual().topRows(6);
     for (std::size_t c = 0; c < state.model.connections.size(); ++c)
         for (int a = 0; a < 3; ++a)

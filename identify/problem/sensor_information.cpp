@@ -142,7 +142,8 @@ BlockInformation SensorColumns::calcInformation(Part part, Eigen::Index size) co
     block.b = Eigen::VectorXd::Zero(size);
     block.chi_squared = at.calcProduct(residual, residual);
     block.count = static_cast<double>(2 * bins * (rows - rank));
-    block.noise_slopes = calcGainSlopes(at.groups, size) * (block.chi_squared / block.count);
+    block.noise_levels = Eigen::VectorXd::Constant(1, block.chi_squared / block.count);
+    block.noise_slopes = calcGainSlopes(at.groups, size) * block.noise_levels[0];
 
     addCorners(at, residual, part, block);
     std::vector<Members> members;

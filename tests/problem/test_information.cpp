@@ -3,6 +3,7 @@
 #include <random>
 
 #include "identify/problem/information.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems::identify;
 
@@ -85,6 +86,7 @@ TEST_CASE("The noise slope takes the regressor's noise off", "[information]") {
     const double s = sigma * std::sqrt(1 + theta * theta);
     BlockInformation block = makeBlock(x / s, (theta * x - y) / s);
     block.noise_slopes = Eigen::MatrixXd::Constant(1, 1, count * theta * sigma * sigma / (s * s));
+    block.noise_levels = Eigen::VectorXd::Ones(1);
     const double plain = -block.b[0] / block.A(0, 0);
     Information all;
     all[0] = block;
@@ -114,6 +116,7 @@ TEST_CASE("What the regressors' noise makes of a direction is no knowledge of it
     Information all;
     all[0] = makeBlock(x / s, (x.rowwise().sum() - y) / s);
     all[0].noise_slopes = Eigen::MatrixXd::Constant(2, 1, own);
+    all[0].noise_levels = Eigen::VectorXd::Ones(1);
     const Eigen::Vector2d difference(std::sqrt(0.5), -std::sqrt(0.5)), sum(std::sqrt(0.5), std::sqrt(0.5));
     const Eigen::VectorXd reach = Eigen::VectorXd::Constant(2, 1e6);
     const auto precision = [&](const Eigen::Vector2d& along) { return along.dot(combine(all, {}, reach).A * along); };
@@ -133,8 +136,48 @@ TEST_CASE("What the noise slope takes off is known to its level only", "[informa
     all[0].A = Eigen::MatrixXd::Constant(1, 1, 16);
     all[0].b = Eigen::VectorXd::Constant(1, 20);
     all[0].noise_slopes = Eigen::MatrixXd::Constant(1, 1, 10);
+    all[0].noise_levels = Eigen::VectorXd::Ones(1);
     all[0].chi_squared = all[0].count = 100;
     const BlockInformation sum = combine(all, {}, Eigen::VectorXd::Constant(1, 1e9));
     CHECK(sum.A(0, 0) == Approx(10.24));
     CHECK(sum.b[0] == Approx(6.4));
+    // Where growth is followed: of a slope that a wrong model made ten times what noise makes of it, a tenth counts, 16
+    // + 3² becomes 16 + 0.3²; and what growth takes off the columns it takes off their scatter, 12 in place of 16.
+    all[0].noise_levels[0] = 10;
+    const auto follow = [&] { return combine(all, {}, Eigen::VectorXd::Constant(1, 1e9), Growth::followed).A(0, 0); };
+    CHECK(follow() == Approx(256 / 16.09));
+    all[0].growth = Eigen::MatrixXd::Constant(1, 1, 4);
+    CHECK(follow() == Approx(144 / 12.09));
+    CHECK(combine(all, {}, Eigen::VectorXd::Constant(1, 1e9)).A(0, 0) == Approx(10.24));
+}
+
+// r = r₀ + J θ of a wrong model, thousands of times the noise, whose covariance grows alike in all values: R = 1 + g·θ.
+// Columns and product of R^{-½} r by finite differences.
+TEST_CASE("Where the covariance grows with a wrong model, its columns are those of the whitened residual",
+          "[information]") {
+    const unsigned seed = wems::test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    const auto draw = [&](Eigen::Index rows, Eigen::Index cols) {
+        return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(rows, cols, [&] { return normal(random); }));
+    };
+    const Eigen::MatrixXd J = 1e4 * draw(40, 3);
+    const Eigen::VectorXd r = 1e4 * draw(40, 1) + J * draw(3, 1), g = 0.5 * draw(3, 1);
+    const auto whiten = [&](const Eigen::Vector3d& theta) -> Eigen::VectorXd {
+        return (r + J * theta) / std::sqrt(1 + g.dot(theta));
+    };
+    const double step = 1e-5;
+    Eigen::MatrixXd columns(40, 3);
+    for (int i = 0; i < 3; ++i) {
+        const Eigen::Vector3d along = step * Eigen::Vector3d::Unit(i);
+        columns.col(i) = (whiten(along) - whiten(-along)) / (2 * step);
+    }
+    BlockInformation block = makeBlock(J, r);
+    block.noise_slopes = 0.5 * block.chi_squared * g;
+    const Eigen::MatrixXd expected = columns.transpose() * columns, product = block.A - calcGrowth(block);
+    CHECK((product - expected).norm() < 1e-6 * expected.norm());
+    CHECK((block.b - block.noise_slopes - columns.transpose() * r).norm() < 1e-6 * block.b.norm());
+    block.chi_squared = block.count;
+    CHECK(calcGrowth(block).size() == 0);
 }
