@@ -88,18 +88,32 @@ SetSolution Evidence::solve(const HypothesisSet& set) const {
     H.diagonal().array() += 1;
     const Eigen::LLT<Eigen::MatrixXd> factor(H);
     const Eigen::VectorXd z = factor.solve(right_(rows));
-    SetSolution solution{Eigen::VectorXd::Zero(deviation_.size()), z.squaredNorm(),
-                         calcOdds(set) - 0.5 * logDeterminant(factor)};
+    return {toColumns(rows, z), z.squaredNorm(), calcOdds(set) - 0.5 * logDeterminant(factor)};
+}
+
+Eigen::VectorXd Evidence::solveNear(const HypothesisSet& set, const Eigen::VectorXd& slope, double damping) const {
+    const auto rows = findRows(set);
+    const Eigen::Index active = active_.size();
+    Eigen::VectorXd here(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        here[i] = rows[i] < active ? deviation_[active_[rows[i]]] * slope[active_[rows[i]]]
+                                   : directions_.col(rows[i] - active).dot(slope);
+    Eigen::MatrixXd H = gram_(rows, rows);
+    H.diagonal().array() += 1 + damping;
+    return toColumns(rows, H.llt().solve(right_(rows) + damping * here));
+}
+
+Eigen::VectorXd Evidence::toColumns(const std::vector<Eigen::Index>& rows, const Eigen::VectorXd& z) const {
+    Eigen::VectorXd columns = Eigen::VectorXd::Zero(deviation_.size());
     const Eigen::Index active = active_.size();
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Eigen::Index row = rows[i];
-        const double value = z[i];
         if (row < active)
-            solution.mean[active_[row]] += deviation_[active_[row]] * value;
+            columns[active_[row]] += deviation_[active_[row]] * z[i];
         else
-            solution.mean += directions_.col(row - active) * value;
+            columns += directions_.col(row - active) * z[i];
     }
-    return solution;
+    return columns;
 }
 
 Posterior Evidence::calcPosterior(const HypothesisSet& set) const {
@@ -208,6 +222,10 @@ BlockInformation shiftToBelieved(const BlockInformation& about_state, const Eige
     if (shifted.noise.size() > 0) {
         if (shifted.noise_right.size() == 0) shifted.noise_right = Eigen::VectorXd::Zero(offset.size());
         shifted.noise_right -= shifted.noise * offset;
+    }
+    if (shifted.growth.size() > 0) {
+        if (shifted.growth_right.size() == 0) shifted.growth_right = Eigen::VectorXd::Zero(offset.size());
+        shifted.growth_right -= shifted.growth * offset;
     }
     return shifted;
 }

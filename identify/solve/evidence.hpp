@@ -74,6 +74,10 @@ public:
     double calcLogEvidence(const HypothesisSet& set) const;
     Posterior calcPosterior(const HypothesisSet& set) const;
     SetSolution solve(const HypothesisSet& set) const;
+    /// Mean of each column that a step of Levenberg (1944) leads to: the quadratic, the prior, and `damping` times the
+    /// prior about the present point, so that what the prior knows to a little moves a little.
+    /// @param slope C⁻¹ of the present point, C the set's prior covariance
+    Eigen::VectorXd solveNear(const HypothesisSet& set, const Eigen::VectorXd& slope, double damping) const;
 
     /// Twice what the quadratic of the information says of a point, beside its χ²: 2 bᵀε + εᵀA ε.
     double calcChange(const Eigen::VectorXd& estimate) const;
@@ -91,6 +95,7 @@ private:
     std::vector<Eigen::Index> findRows(const HypothesisSet& set) const;
     double calcOdds(const HypothesisSet& set) const;
     bool mayJoin(const HypothesisSet& set, int hypothesis) const;
+    Eigen::VectorXd toColumns(const std::vector<Eigen::Index>& rows, const Eigen::VectorXd& z) const;
 
     BlockInformation information_;
     const std::vector<Hypothesis>* hypotheses_;

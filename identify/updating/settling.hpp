@@ -1,6 +1,7 @@
 /// @file
-/// The most probable numbers of one set of causes: Gauss–Newton steps on the posterior, each tried by the equations
-/// themselves, with the size of the discrepancy following what the set leaves.
+/// The most probable numbers of one set of causes: steps of Gauss and Newton on the posterior, damped as Levenberg's
+/// (1944) where they lose what they promise. Each is tried by the equations themselves, with the size of the
+/// discrepancy following what the set leaves.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,11 +29,14 @@ struct SetState {
 /// The evidence of one set alone: its members, and nothing else to weigh.
 class SetEvidence {
 public:
-    SetEvidence(const TestProblem& problem, const Information& all, const BlockScales& scales,
-                const HypothesisSet& set);
+    SetEvidence(const TestProblem& problem, const Information& all, const BlockScales& scales, const HypothesisSet& set,
+                Growth growth = Growth::doubted);
     SetEvidence(const SetEvidence&) = delete;
     SetEvidence& operator=(const SetEvidence&) = delete;
     SetSolution solve() const { return evidence_.solve(all_); }
+    Eigen::VectorXd solveNear(const Eigen::VectorXd& slope, double damping) const {
+        return evidence_.solveNear(all_, slope, damping);
+    }
     double calcChange(const Eigen::VectorXd& estimate) const { return evidence_.calcChange(estimate); }
     Posterior calcPosterior() const { return evidence_.calcPosterior(all_); }
 
@@ -80,7 +84,7 @@ public:
     /// How much more than its quadratic a view's misfit is at a point, each block over its scale: what the laws do
     /// beyond first order.
     double calcExcess(const TestView& view, const TestPoint& point, const Eigen::VectorXd& estimate,
-                      const BlockScales& scales, bool with_validation) const;
+                      const BlockScales& scales, bool with_validation, Growth growth = Growth::doubted) const;
 
     /// −2 log likelihood of blocks whose scale is not known but follows from their misfit: the integral of dχ² / scale.
     double calcCost(const Information& all, const std::vector<double>& misfits) const;

@@ -114,6 +114,33 @@ TEST_CASE("Extensions of a set are the evidence of the larger set", "[evidence]"
     CHECK_FALSE(std::isfinite(evidence.calcExtensions({0})[4]));
 }
 
+TEST_CASE("A damped step is the posterior of a prior drawn to the present point", "[evidence]") {
+    const unsigned seed = wems::test::drawSeed();
+    CAPTURE(seed);
+    const Problem problem = draw(seed);
+    const Evidence evidence(problem.information(), problem.deviation, problem.hypotheses);
+    std::mt19937 random(seed + 1);
+    std::normal_distribution<double> normal;
+    for (const HypothesisSet& set : {HypothesisSet{}, {0}, {1, 2}, {0, 3}}) {
+        const Eigen::MatrixXd C = problem.prior(set);
+        Eigen::VectorXd slope(C.rows());
+        for (double& value : slope) value = normal(random);
+        const Eigen::VectorXd present = C * slope;
+        for (const double damping : {0.0, 1.0, 30.0, 1e4}) {
+            CAPTURE(set, damping);
+            // Two Gaussians, N(0, C) and N(present, C / damping), make one; its posterior in the space of the data.
+            const Eigen::VectorXd mean = damping / (1 + damping) * present;
+            const Eigen::MatrixXd covariance = C / (1 + damping);
+            const Eigen::MatrixXd S =
+                Eigen::MatrixXd::Identity(60, 60) + problem.J * covariance * problem.J.transpose();
+            const Eigen::VectorXd expected =
+                mean - covariance * problem.J.transpose() * S.llt().solve(problem.r + problem.J * mean);
+            CHECK((evidence.solveNear(set, slope, damping) - expected).norm() < 1e-9 * (1 + expected.norm()));
+        }
+        CHECK((evidence.solveNear(set, slope, 0) - evidence.solve(set).mean).norm() < 1e-12);
+    }
+}
+
 TEST_CASE("The search finds the set of highest evidence", "[evidence]") {
     const unsigned seed = wems::test::drawSeed();
     CAPTURE(seed);

@@ -16,8 +16,9 @@ namespace {
 /// A run of 4 s of a device, and the search about what is believed of it.
 class Round {
 public:
-    Round(const MountModel& truth, const MountModel& believed, std::mt19937_64& random)
-        : problem_({recordIt(truth, random)}, {}, believed, Numbers::exact), settler_(problem_) {
+    /// @param force N, along z
+    Round(const MountModel& truth, const MountModel& believed, std::mt19937_64& random, double force = 60)
+        : problem_({recordIt(truth, random, force)}, {}, believed, Numbers::exact), settler_(problem_) {
         standing_.judged = simulateBadly(problem_.believedPoint(), {});
         SetState& state = standing_.state;
         state.point = problem_.believedPoint();
@@ -44,10 +45,10 @@ public:
     const Standing& standing() const { return standing_; }
 
 private:
-    static Recording recordIt(const MountModel& truth, std::mt19937_64& random) {
+    static Recording recordIt(const MountModel& truth, std::mt19937_64& random, double force) {
         identify::testing::RunPlan plan;
         plan.duration = 4;
-        plan.force = Eigen::Vector3d(40, 30, 60);
+        plan.force = Eigen::Vector3d(40, 30, force);
         return recordRun(truth, plan, random);
     }
     /// A simulation that is always worth a cause: the equations alone decide.
@@ -97,6 +98,22 @@ TEST_CASE("The best set is taken where it is settled", "[updating]") {
     CHECK(round.valueOf(kHidden) == Approx(getParameter(truth, kHidden)).epsilon(0.02));
     const SetState& state = round.standing().state;
     CHECK(isSatisfied(calcMisfits(sumOf(state.view, true), round.problem().estimateOf(state.point))));
+}
+
+// The recorded motion does not reach the stop where it is believed, so that it has no slope there.
+TEST_CASE("A stop is found at a third to six tenths of its clearance", "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const MountModel believed = identify::testing::makeRandomDevice(random);
+    const std::string name = "1.z.+.clearance";
+    MountModel truth = believed;
+    const double clearance = std::uniform_real_distribution<double>(0.33, 0.6)(random) * getParameter(believed, name);
+    setParameter(truth, name, clearance);
+    Round round(truth, believed, random, 200);
+    // The stop on the other side may not be reached at either clearance, so that both together are as likely.
+    CHECK(describe(round.takeOne()).rfind("clearance 1.z.+", 0) == 0);
+    CHECK(round.valueOf(name) == Approx(clearance).epsilon(0.005));
 }
 
 TEST_CASE("Friction is found with the velocity below which it fades", "[updating]") {
