@@ -31,6 +31,21 @@ bool satisfiesEquations(const Diagnosis& diagnosis) {
     return updating::isSatisfied(diagnosis.decisions.back().misfit);
 }
 
+/// Whether a number lies beyond its tolerance by its whole interval though no cause names it: that is no adjustment.
+bool leavesOneBeyond(const Diagnosis& diagnosis) {
+    const auto isNamed = [&](const std::string& name) {
+        return std::any_of(diagnosis.causes.begin(), diagnosis.causes.end(), [&](const auto& cause) {
+            return std::any_of(cause.parameters.begin(), cause.parameters.end(),
+                               [&](const CauseParameter& own) { return own.name == name; });
+        });
+    };
+    return std::any_of(diagnosis.adjustments.begin(), diagnosis.adjustments.end(), [&](const Adjustment& own) {
+        const bool beyond =
+            own.parameter.lower > own.believed + own.tolerance || own.parameter.upper < own.believed - own.tolerance;
+        return beyond && !isNamed(own.parameter.name);
+    });
+}
+
 /// A verdict never contradicts its figures: where the simulation errs by as much as one in which nothing moves, the
 /// model answers for nothing, whatever noise and posterior would excuse.
 Diagnosis checkVerdict(Diagnosis result, const MountModel& model) {
@@ -59,7 +74,9 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
     if (adjusted) adjusted = checkVerdict(std::move(*adjusted), model);
     // Where neither satisfies the equations, the prediction decides between two answers of one kind, if one is of more
     // use than the other; an answer that explains stands before one that does not.
-    const auto explains = [](const Diagnosis& own) { return own.verdict != Diagnosis::Verdict::unexplained; };
+    const auto explains = [](const Diagnosis& own) {
+        return own.verdict != Diagnosis::Verdict::unexplained && !leavesOneBeyond(own);
+    };
     if (!adjusted || (!satisfiesEquations(*adjusted) && explains(exact) >= explains(*adjusted) &&
                       (explains(exact) > explains(*adjusted) ||
                        (1 + kWorth) * exact.error_after.validation <= adjusted->error_after.validation)))
