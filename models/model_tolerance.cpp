@@ -5,6 +5,7 @@
 
 #include "models/parameter_access.hpp"
 #include "models/parameter_name.hpp"
+#include "models/sensor_reading.hpp"
 
 namespace wems {
 namespace {
@@ -91,8 +92,7 @@ Tolerances sensorTolerances(const MountModel& model, const std::string& channel)
     std::array<std::size_t, kToleranceKeys.size()> length{};
     for (const SensorFault& sensor : model.sensors) {
         const std::string& group = sensor.channel;
-        const bool concerned = channel == group || channel.rfind(group + ".", 0) == 0;
-        if (!concerned) continue;
+        if (!concernsChannel(group, channel)) continue;
         for (std::size_t k = 0; k < kToleranceKeys.size(); ++k) {
             const auto what = static_cast<ToleranceOf>(k);
             const auto given = sensor.tolerances.find(what);

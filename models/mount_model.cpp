@@ -154,7 +154,7 @@ void checkLoad(const LoadCorrection& load) {
     }
 }
 
-bool isChannelOrGroup(const std::string& channel, const std::vector<Connection>& connections) {
+bool isChannelOrGroup(const std::string& channel, const MountModel& model) {
     const std::size_t first_dot = channel.find('.');
     const std::string part = channel.substr(0, first_dot);
     if (part == "load" || part == "base") {
@@ -166,10 +166,11 @@ bool isChannelOrGroup(const std::string& channel, const std::vector<Connection>&
     if (first_dot == std::string::npos) return true;
     const std::size_t second_dot = channel.find('.', first_dot + 1);
     const std::string name = channel.substr(first_dot + 1, second_dot - first_dot - 1);
-    const bool known = std::any_of(connections.begin(), connections.end(),
-                                   [&name](const Connection& connection) { return connection.name == name; });
+    const auto isCalled = [&name](const auto& place) { return place.name == name; };
+    const bool known = std::any_of(model.connections.begin(), model.connections.end(), isCalled) ||
+                       std::any_of(model.places.begin(), model.places.end(), isCalled);
     if (!known || second_dot == std::string::npos) return known;
-    static const std::set<std::string> quantities = {"x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az"};
+    static const std::set<std::string> quantities = {"x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "d", "v", "a"};
     return quantities.count(channel.substr(second_dot + 1)) == 1;
 }
 
@@ -177,9 +178,10 @@ void checkSensors(const MountModel& model) {
     for (std::size_t i = 0; i < model.sensors.size(); ++i) {
         const SensorFault& sensor = model.sensors[i];
         const std::string prefix = "sensor[" + std::to_string(i) + "].";
-        if (!isChannelOrGroup(sensor.channel, model.connections)) {
+        if (!isChannelOrGroup(sensor.channel, model)) {
             fail(prefix + "channel", "is \"" + sensor.channel + "\"",
-                 "a channel such as mobile.1.az of a connection of this model, or its beginning: mobile.1, mobile");
+                 "a channel such as mobile.1.az of a connection of this model, or what holds it: mobile.1.a, mobile.1, "
+                 "mobile");
         }
         requireFinite(prefix + "gain", sensor.gain);
         requireFinite(prefix + "delay", sensor.delay);
@@ -279,15 +281,6 @@ std::string formatMoments(const Eigen::Matrix3d& inertia) {
 }
 
 }  // namespace
-
-void removeZeros(const std::vector<SensorFault>& sensors, Recording& recording) {
-    for (const SensorFault& sensor : sensors) {
-        if (sensor.zero == 0) continue;
-        for (Channel& channel : recording.channels)
-            if (channel.name == sensor.channel)
-                for (double& value : channel.values) value -= sensor.zero;
-    }
-}
 
 std::vector<std::string> makeAdmissible(const MountModel& believed, MountModel& model) {
     std::vector<std::string> notes;

@@ -77,7 +77,7 @@ struct LoadPoint {
 
 /// What the recording's channel makes of the truth: measured(t) = gain · R(rotation) · true(t − delay) + zero.
 struct SensorFault {
-    std::string channel;  ///< `mobile.1.az`, or `mobile.1`, `mobile` for all of it
+    std::string channel;  ///< `mobile.1.az`, or what holds it: `mobile.1.a`, `mobile.1`, `mobile`
     double gain = 1;
     double delay = 0;                                    ///< s
     Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< rotation vector, rad
@@ -106,9 +106,6 @@ struct MountModel {
     /// Index among `places` of the sensor that a channel names; -1 if it is none of them.
     int placeIndex(const ChannelName& channel) const;
 };
-
-/// Takes what each channel reads of nothing away from it.
-void removeZeros(const std::vector<SensorFault>& sensors, Recording& recording);
 
 /// Throws InputError (without a file) naming the key, the value and the range, if the model cannot be simulated.
 void validate(const MountModel& model);

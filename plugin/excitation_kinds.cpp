@@ -8,6 +8,7 @@
 #include "models/common/error.hpp"
 #include "models/common/format_number.hpp"
 #include "models/recording/recording_reader.hpp"
+#include "models/sensor_reading.hpp"
 #include "models/shock.hpp"
 #include "models/sweep_profile.hpp"
 #include "plugin/simulate_options.hpp"
@@ -271,7 +272,7 @@ double chooseSampleRate(double highest) {
 }  // namespace
 
 Excitation makeReplay(Recording recording, const SimulateOptions& options, const std::vector<SensorFault>& sensors) {
-    removeZeros(sensors, recording);
+    recording = correctChannels(recording, sensors);
     Excitation excitation;
     excitation.drive = makeReplayDrive(recording);
     excitation.time_offset = recording.time.front();

@@ -6,8 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "models/bryant.hpp"
-
 namespace wems::plugin {
 
 double getNoiseLevel(const SensorNoise& noise, const ChannelName& name) {
@@ -52,11 +50,6 @@ private:
     Recorder& recorder_;
 };
 
-/// `mobile.1` holds `mobile.1.az`, and so does `mobile`; `mobile.1.az` holds itself.
-bool concerns(const std::string& fault, const std::string& channel) {
-    return channel == fault || channel.rfind(fault + ".", 0) == 0;
-}
-
 const Eigen::Vector3d& pickVector(const DeviceMotion& motion, const ChannelName& name, std::size_t connection) {
     if (name.part == Part::load) return motion.load;
     if (name.part == Part::base) return motion.base;
@@ -79,14 +72,7 @@ std::vector<SensorChannel> makeSensorChannels(const MountModel& model, const Cha
         for (int axis = 0; axis < 3; ++axis) {
             SensorChannel channel;
             channel.name = {part, connection, axis, derivative};
-            const std::string name = formatChannelName(channel.name);
-            for (const SensorFault& fault : model.sensors) {
-                if (!concerns(fault.channel, name)) continue;
-                channel.gain *= fault.gain;
-                channel.delay += fault.delay;
-                channel.zero += fault.zero;
-                channel.rotation = rotationFromVector(fault.rotation) * channel.rotation;
-            }
+            channel.reading = readingOf(model.sensors, formatChannelName(channel.name));
             channels.push_back(channel);
         }
     };
@@ -105,13 +91,13 @@ Recorder::Recorder(const Device& device, std::vector<SensorChannel> channels, Sa
       take_(std::move(take)),
       values_(channels_.size()) {
     std::set<double> delays{0.0};  // the true motion itself is watched at every row
-    for (const SensorChannel& channel : channels_) delays.insert(channel.delay);
+    for (const SensorChannel& channel : channels_) delays.insert(channel.reading.delay);
     for (const double delay : delays) {
         if (delay == 0) undelayed_ = cursors_.size();
         cursors_.push_back({delay});
     }
     for (const SensorChannel& channel : channels_) {
-        delay_of_channel_.push_back(std::distance(delays.begin(), delays.find(channel.delay)));
+        delay_of_channel_.push_back(std::distance(delays.begin(), delays.find(channel.reading.delay)));
         connection_of_channel_.push_back(
             channel.name.connection.empty()
                 ? 0
@@ -172,7 +158,8 @@ void Recorder::takeSample(const SimTK::State& state) {
                 if (delay_of_channel_[i] != d) continue;
                 const SensorChannel& channel = channels_[i];
                 const Eigen::Vector3d& vector = pickVector(motion, channel.name, connection_of_channel_[i]);
-                values_[i].push_back(channel.gain * channel.rotation.row(channel.name.axis).dot(vector) + channel.zero);
+                values_[i].push_back(channel.reading.gain * channel.reading.R_TS.row(channel.name.axis).dot(vector) +
+                                     channel.reading.zero);
             }
             if (d == undelayed_) watchStops(motion, time);
         }

@@ -13,6 +13,7 @@
 
 #include "models/mount_model.hpp"
 #include "models/recording/recording.hpp"
+#include "models/sensor_reading.hpp"
 #include "plugin/device.hpp"
 
 namespace wems::plugin {
@@ -80,10 +81,7 @@ struct ChannelSelection {
 /// zero.
 struct SensorChannel {
     ChannelName name;
-    double gain = 1;
-    double delay = 0;  ///< s
-    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-    double zero = 0;  ///< SI
+    SensorReading reading;
 };
 std::vector<SensorChannel> makeSensorChannels(const MountModel& model, const ChannelSelection& selection, bool has_load,
                                               bool has_base);

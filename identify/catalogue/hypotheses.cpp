@@ -108,7 +108,8 @@ private:
     }
 
     /// Gains and delays of a channel; of a triax and of a side of one kind (`mobile.1`, `mobile.1.a`; `mobile`,
-    /// `mobile.a`), and of both kinds (`mobile.1.all`, `mobile.all`): one amplifier, one clock.
+    /// `mobile.a`), and of both kinds (`mobile.1.all`, `mobile.all`): one amplifier, one clock. Triaxes of one kind, or
+    /// both of a place, that are turned.
     void addSensors() {
         const auto placeOf = [](const std::string& triax) {
             return triax.substr(0, triax.find('.', triax.find('.') + 1));
@@ -133,10 +134,28 @@ private:
                 for (const auto& [name, rows] : *groups)
                     if (rows.size() > 1 && known.insert(rows).second) addCommonFault(cause, name, rows);
         }
+        std::map<std::string, std::vector<std::string>> places;
         for (const auto& triax : layout_.triaxes) {
             std::vector<int> rows;
             for (const char* axis : kAxes) rows.push_back(row(triax.name + ".r" + axis));
             list_.addEach("sensor_misalignment", {triax.name}, rows);
+            places[placeOf(triax.name)].push_back(triax.name);
+        }
+        for (const auto& [place, triaxes] : places)
+            if (triaxes.size() > 1) addTurnedPlace(place, triaxes);
+    }
+
+    /// All that was measured at a place turned alike: a bracket or a block that carries marker and accelerometer.
+    void addTurnedPlace(const std::string& place, const std::vector<std::string>& triaxes) {
+        Hypothesis& hypothesis = list_.add("sensor_misalignment", {place + ".all"});
+        for (const char* axis : kAxes) {
+            Direction direction;
+            for (const std::string& triax : triaxes) {
+                const int index = row(triax + ".r" + axis);
+                direction.emplace_back(index, list_.at(index).reach);
+                hypothesis.reported.push_back(index);
+            }
+            hypothesis.directions.push_back(direction);
         }
     }
 

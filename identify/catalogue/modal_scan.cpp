@@ -15,7 +15,7 @@ namespace {
 constexpr double kBandRatio = 0.004;       // width of a band over its frequency: well below that of a resonance
 constexpr double kGridRatio = 0.03;        // spacing of the scan …
 constexpr double kGridDamping = 0.02;      // … which a resonance of this damping ratio does not slip through
-constexpr double kBeyond = 1.5;            // a mode above the band still shows by its flexibility
+constexpr double kFarthestMode = 1.5;      // a mode above the band still shows by its flexibility
 constexpr double kLargestDamping = 0.2;    // of a structure
 constexpr double kSmallestDamping = 1e-3;  // likewise
 constexpr double kRidge = 1e-6;            // of the diagonal: what no input excited stays at zero
@@ -143,7 +143,7 @@ ModalGuess ModalScan::refine(ModalGuess guess) const {
 
 std::vector<ModalGuess> ModalScan::findBest(std::size_t count) const {
     std::vector<ModalGuess> grid, best;
-    for (double f = lowest_; f < kBeyond * highest_; f *= 1 + kGridRatio) grid.push_back(fit(f, kGridDamping));
+    for (double f = lowest_; f < kFarthestMode * highest_; f *= 1 + kGridRatio) grid.push_back(fit(f, kGridDamping));
     for (std::size_t i = 0; i < grid.size(); ++i) {
         const bool above_left = i == 0 || grid[i].gain > grid[i - 1].gain;
         const bool above_right = i + 1 == grid.size() || grid[i].gain >= grid[i + 1].gain;

@@ -15,7 +15,6 @@
 #include "identify/fit/fit.hpp"
 #include "identify/fit/law_verdict.hpp"
 #include "identify/fit/output_error.hpp"
-#include "identify/motion/channel_correction.hpp"
 #include "identify/motion/parallel.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "identify/updating/coarse_contacts.hpp"
@@ -24,6 +23,7 @@
 #include "models/mount_model.hpp"
 #include "models/report/html_report.hpp"
 #include "models/sampled_motion.hpp"
+#include "models/sensor_reading.hpp"
 
 namespace wems::identify::commands {
 namespace {

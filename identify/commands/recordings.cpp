@@ -9,13 +9,13 @@
 #include "identify/forward/step_size.hpp"
 #include "identify/inspect/connection_checks.hpp"
 #include "identify/inspect/quality.hpp"
-#include "identify/motion/channel_correction.hpp"
 #include "identify/motion/motion.hpp"
 #include "identify/motion/swept_frequency.hpp"
 #include "models/common/error.hpp"
 #include "models/common/format_number.hpp"
 #include "models/linear_modes.hpp"
 #include "models/recording/recording_reader.hpp"
+#include "models/sensor_reading.hpp"
 
 namespace wems::identify::commands {
 

@@ -7,12 +7,12 @@
 #include "identify/forward/compare.hpp"
 #include "identify/forward/forward_model.hpp"
 #include "identify/inspect/order_tracking.hpp"
-#include "identify/motion/channel_correction.hpp"
 #include "identify/motion/spectrum.hpp"
 #include "identify/problem/slow_motion.hpp"
 #include "identify/verdict/free_error.hpp"
 #include "models/common/format_number.hpp"
 #include "models/common/units.hpp"
+#include "models/sensor_reading.hpp"
 
 namespace wems::identify::commands {
 

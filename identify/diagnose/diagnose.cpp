@@ -4,11 +4,13 @@
 #include <optional>
 #include <utility>
 
+#include "identify/diagnose/believed_sensors.hpp"
 #include "identify/updating/settling.hpp"
 #include "identify/updating/update.hpp"
 #include "identify/verdict/free_error.hpp"
 #include "models/common/error.hpp"
 #include "models/model_tolerance.hpp"
+#include "models/sensor_reading.hpp"
 
 namespace wems::identify {
 
@@ -59,11 +61,9 @@ Diagnosis checkVerdict(Diagnosis result, const MountModel& model) {
     return result;
 }
 
-}  // namespace
-
-Diagnosis diagnose(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
-                   const MountModel& model, const DiagnosisOptions& options) {
-    if (identification.empty()) throw InputError({}, "no recording to diagnose", "at least one CSV file");
+/// Of recordings whose channels say what the model's do.
+Diagnosis diagnoseCorrected(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
+                            const MountModel& model, const DiagnosisOptions& options) {
     // The simplest world first: exact numbers and a cause or two. Where that leaves something, nothing is exact.
     Diagnosis exact = checkVerdict(
         updating::updateModel(identification, validation, model, updating::Numbers::exact, options), model);
@@ -82,6 +82,21 @@ Diagnosis diagnose(const std::vector<Recording>& identification, const std::vect
                        (1 + kWorth) * exact.error_after.validation <= adjusted->error_after.validation)))
         return exact;
     return std::move(*adjusted);
+}
+
+}  // namespace
+
+Diagnosis diagnose(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
+                   const MountModel& model, const DiagnosisOptions& options) {
+    if (identification.empty()) throw InputError({}, "no recording to diagnose", "at least one CSV file");
+    if (model.sensors.empty()) return diagnoseCorrected(identification, validation, model, options);
+    const auto correct = [&](std::vector<Recording> recordings) {
+        for (Recording& recording : recordings) recording = correctChannels(recording, model.sensors);
+        return recordings;
+    };
+    Diagnosis result = diagnoseCorrected(correct(identification), correct(validation), withoutFaults(model), options);
+    addBelievedSensors(model.sensors, identification, result);
+    return result;
 }
 
 }  // namespace wems::identify

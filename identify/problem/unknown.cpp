@@ -8,6 +8,7 @@
 #include "models/common/format_number.hpp"
 #include "models/common/units.hpp"
 #include "models/guided_motion.hpp"
+#include "models/model_tolerance.hpp"
 #include "models/parameter_access.hpp"
 #include "models/parameter_name.hpp"
 #include "models/tolerances.hpp"
@@ -315,19 +316,16 @@ private:
     }
 
     void addSensors() {
-        const auto ownOf = [&](const std::string& channel, const std::string& triad) -> Tolerances {
-            // Tables of the model are of both triaxes of a place.
-            const auto size = triad.size();
-            const bool accelerations = size > 2 && triad.compare(size - 2, 2, ".a") == 0;
-            const std::string place = accelerations ? triad.substr(0, size - 2) : triad;
-            for (const auto& fault : model_.sensors)
-                if (fault.channel == channel || fault.channel == triad || fault.channel == place)
-                    return fault.tolerances;
-            return {};
+        // What is stated of the first channel of a triax, or of a place, is stated of all.
+        const auto firstOf = [&](int SensorChannel::*group, std::size_t index) {
+            const auto& all = layout_.channels;
+            return std::find_if(all.begin(), all.end(),
+                                [&](const SensorChannel& channel) { return channel.*group == static_cast<int>(index); })
+                ->name;
         };
         for (std::size_t c = 0; c < layout_.channels.size(); ++c) {
             const auto& channel = layout_.channels[c];
-            const auto own = ownOf(channel.name, layout_.stations[channel.station]);
+            const auto own = sensorTolerances(model_, channel.name);
             const Eigen::Index index = c;
             const int id = static_cast<int>(c);
             add(
@@ -341,7 +339,7 @@ private:
         }
         for (std::size_t t = 0; t < layout_.triaxes.size(); ++t) {
             const auto& triax = layout_.triaxes[t];
-            const auto own = ownOf(triax.name, triax.name);
+            const auto own = sensorTolerances(model_, firstOf(&SensorChannel::triax, t));
             for (int a = 0; a < 3; ++a) {
                 const Eigen::Index index = t;
                 add(
@@ -352,7 +350,7 @@ private:
             }
         }
         for (std::size_t s = 0; s < layout_.stations.size(); ++s) {
-            const auto own = ownOf(layout_.stations[s], layout_.stations[s]);
+            const auto own = sensorTolerances(model_, firstOf(&SensorChannel::station, s));
             for (int a = 0; a < 3; ++a) {
                 const Eigen::Index index = s;
                 add(

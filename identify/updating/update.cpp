@@ -147,7 +147,8 @@ private:
             return parameters;
         }
         if (isCommonFault(hypothesis)) {
-            parameters.push_back(makeCommonFault(hypothesis, point, posterior));
+            for (const Direction& direction : hypothesis.directions)
+                parameters.push_back(makeCommonFault(hypothesis, direction, point, posterior));
             return parameters;
         }
         for (const int index : hypothesis.reported)
@@ -155,16 +156,17 @@ private:
         return parameters;
     }
 
-    /// One gain or delay of several channels.
+    /// One gain or delay of several channels, one rotation of several triaxes.
     static bool isCommonFault(const Hypothesis& hypothesis) {
-        return (hypothesis.cause == "sensor_gain" || hypothesis.cause == "sensor_delay") &&
-               hypothesis.reported.size() > 1;
+        if (!isSensorFault(hypothesis)) return false;
+        return hypothesis.reported.size() > hypothesis.directions.size();
     }
 
     /// The mean over the channels, each of which has its tolerance too.
-    CauseParameter makeCommonFault(const Hypothesis& hypothesis, const TestPoint& point,
+    CauseParameter makeCommonFault(const Hypothesis& hypothesis, const Direction& direction, const TestPoint& point,
                                    const Posterior& posterior) const {
-        const std::vector<int>& rows = hypothesis.reported;
+        std::vector<int> rows;
+        for (const auto& [column, weight] : direction) rows.push_back(column);
         const double count = static_cast<double>(rows.size());
         const double value = point.values(rows).sum() / count;
         const double width = kQuantile * std::sqrt(std::max(0.0, posterior.covariance(rows, rows).sum())) / count;
@@ -316,8 +318,18 @@ private:
                 if (number.kind == UnknownKind::channel_delay)
                     faultOf(layout.channels[number.first].name).delay = value;
                 if (number.kind == UnknownKind::triax_rotation)
-                    faultOf(reportPlace(layout.triaxes[number.first].name)).rotation[number.second] = value;
+                    faultOf(nameTriax(number.first)).rotation[number.second] = value;
             }
+    }
+
+    /// As a model's sensor names it: the place, where only one kind of channel was recorded there.
+    std::string nameTriax(int triax) const {
+        const auto& triaxes = problem_.layout().triaxes;
+        const std::string& name = triaxes[triax].name;
+        const std::string place = reportPlace(name);
+        const auto here = [&](const SensorTriax& other) { return reportPlace(other.name) == place; };
+        if (std::count_if(triaxes.begin(), triaxes.end(), here) == 1) return place;
+        return name == place ? place + ".d" : name;
     }
 
     void judge() {

@@ -8,9 +8,9 @@
 #include "identify/fit/output_error.hpp"
 #include "identify/fit/output_error_interval.hpp"
 #include "identify/fit/trajectory_problem.hpp"
-#include "identify/motion/channel_correction.hpp"
 #include "models/common/error.hpp"
 #include "models/parameter_access.hpp"
+#include "models/sensor_reading.hpp"
 #include "tests/fit/coarse_oscillator.hpp"
 #include "tests/seed.hpp"
 

@@ -160,6 +160,34 @@ TEST_CASE("sensor faults: gain, delay, rotation, zero") {
     for (std::size_t k = 0; k < expected.size(); ++k) CHECK(untouched[k] == Approx(expected[k]).margin(1e-9));
 }
 
+// The delays are whole samples, between which no interpolation errs. They give the integrator other instants to stop
+// at: the two simulations agree to its accuracy alone.
+TEST_CASE("A recording corrected by the model's sensors is that of perfect ones") {
+    const MountModel model = makeModel();
+    SimulationSettings settings;
+    settings.times = makeTimes(10000, 0.06);
+    const SimulationResult truth = simulate(model, makeLoadSweep({100, 50, 250}), settings);
+    MountModel faulty = model;
+    faulty.sensors.push_back({"mobile.1", 1.1, 0.0004, Eigen::Vector3d(0.02, -0.3, 0.05)});
+    faulty.sensors.push_back({"mobile.1.a", 1, 0, Eigen::Vector3d(0.2, 0, 0.05)});
+    faulty.sensors.push_back({"fixed.2.d", 0.9, 0, Eigen::Vector3d(0.1, -0.1, 0)});
+    faulty.sensors.push_back({"fixed", 1, -0.0003, Eigen::Vector3d::Zero()});
+    faulty.sensors.push_back({"mobile.2.z", 1, 0, Eigen::Vector3d::Zero(), 2e-3});
+    faulty.sensors.push_back({"load", 1.05, 0, Eigen::Vector3d(0, 0, 0.1)});
+    const Recording corrected =
+        correctChannels(simulate(faulty, makeLoadSweep({100, 50, 250}), settings).recording, faulty.sensors);
+    for (const Channel& channel : corrected.channels) {
+        INFO(channel.name);
+        const std::vector<double>& expected = valuesOf(truth, channel.name);
+        double largest = 0, worst = 0;
+        for (std::size_t k = 5; k + 5 < expected.size(); ++k) {
+            largest = std::max(largest, std::abs(expected[k]));
+            worst = std::max(worst, std::abs(channel.values[k] - expected[k]));
+        }
+        CHECK(worst < 10 * settings.accuracy * largest + 1e-12);
+    }
+}
+
 TEST_CASE("sensor noise has its level, its seed, and does not depend on what else is recorded") {
     const MountModel model = makeModel();
     SimulationSettings settings;
