@@ -24,6 +24,7 @@ constexpr double kGained = 0.5;
 // hardly know. Of a deep contact whose whole step lost 170 times its promise, 1 lost 14 times of it, 10 kept all, 100
 // of a promise that was a fifth less. One case; ten times more is tried while a step does not keep its promise.
 constexpr double kFirstDamping = 10;
+constexpr double kEased = 10;  // by which it falls from step to step (Marquardt, 1963). Not varied.
 // Of the squared length, in the prior's metric, of the step that was tried before: if the loss grows with the square, a
 // step at one half loses half. What is hardly shorter is not worth the equations of all runs. Not varied.
 constexpr double kShorter = 0.5;
@@ -195,8 +196,19 @@ double Settler::calcExcess(const TestView& view, const TestPoint& point, const E
 }
 
 void Settler::settle(SetState& state, int most, bool with_validation) const {
-    for (int pass = 0; pass < most; ++pass)
-        if (!improve(state, with_validation)) break;
+    const std::vector<double> misfits =
+        calcMisfits(sumOf(state.view, with_validation), problem_.estimateOf(state.point));
+    // The more a model leaves, the less its columns say of where that vanishes (Fan and Yuan, 2005, damp by the
+    // residual). What the recordings know best moves first. The last of the steps is not damped, however many there
+    // are.
+    double damping = std::min(*std::max_element(misfits.begin(), misfits.end()) - 1, std::pow(kEased, most - 1));
+    for (int pass = 0; pass < most;) {
+        if (damping < 1) damping = 0;
+        const bool moved = improve(state, with_validation, damping);
+        if (!moved && damping == 0) break;
+        if (moved) ++pass;
+        damping /= kEased;
+    }
     state.scales = scalesOf(calcMisfits(sumOf(state.view, with_validation), problem_.estimateOf(state.point)));
 }
 
@@ -204,9 +216,11 @@ void Settler::settle(SetState& state, int most, bool with_validation) const {
 /// was made at `point`: there the quadratic is what the equations say.
 /// @return false if no share of the way is worth it
 bool Settler::advance(const TestView& view, const Information& all, const HypothesisSet& set, const BlockScales& scales,
-                      double least, bool with_validation, TestPoint& point) const {
+                      double least, bool with_validation, double first_damping, TestPoint& point) const {
     const SetEvidence evidence(problem_, all, scales, set, Growth::followed);
-    const Eigen::VectorXd present = problem_.estimateOf(point), target = keepInRange(problem_, evidence.solve().mean);
+    const Eigen::VectorXd present = problem_.estimateOf(point), slope = calcPriorSlope(problem_, present, set);
+    const Eigen::VectorXd target =
+        keepInRange(problem_, first_damping > 0 ? evidence.solveNear(slope, first_damping) : evidence.solve().mean);
     const auto objective = [&](const Eigen::VectorXd& at) {
         return evidence.calcChange(at) + calcPriorSquare(at, set);
     };
@@ -225,9 +239,8 @@ bool Settler::advance(const TestView& view, const Information& all, const Hypoth
     const auto isKept = [](const Reached& reached) { return reached.gain >= kKept * reached.promised; };
     Reached best = reach(target);
     if (!isKept(best)) {
-        const Eigen::VectorXd slope = calcPriorSlope(problem_, present, set);
         double length = calcPriorSquare(target - present, set);
-        for (double damping = kFirstDamping;; damping *= kFirstDamping) {
+        for (double damping = kFirstDamping * std::max(1.0, first_damping);; damping *= kFirstDamping) {
             const Eigen::VectorXd at = keepInRange(problem_, evidence.solveNear(slope, damping));
             if (!(here - objective(at) >= least)) break;  // so little is not worth the next columns
             const double shorter = calcPriorSquare(at - present, set);
@@ -244,23 +257,23 @@ bool Settler::advance(const TestView& view, const Information& all, const Hypoth
     return true;
 }
 
-/// A step of the set: with the discrepancy that its estimate would leave, or with the present one.
-bool Settler::improve(SetState& state, bool with_validation) const {
+/// A step of the set: with the present discrepancy, or, undamped, with the one that its estimate would leave.
+bool Settler::improve(SetState& state, bool with_validation, double damping) const {
     const Information all = sumOf(state.view, with_validation);
     const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(state.point));
     const double least = std::max(2 * kSettled, kWorthwhile * calcCost(all, misfits));
-    for (const BlockScales& scales : {scalesOf(misfits), settleScales(all, state.set)})
-        if (advance(state.view, all, state.set, scales, least, with_validation, state.point)) {
-            state.view = problem_.view(state.point, state.set);
-            return true;
-        }
-    return false;
+    const auto step = [&](const BlockScales& scales) {
+        if (!advance(state.view, all, state.set, scales, least, with_validation, damping, state.point)) return false;
+        state.view = problem_.view(state.point, state.set);
+        return true;
+    };
+    return step(scalesOf(misfits)) || (damping == 0 && step(settleScales(all, state.set)));
 }
 
 TestPoint Settler::refine(TestPoint point, const HypothesisSet& set, const BlockScales& scales, int most) const {
     for (int pass = 0; pass < most; ++pass) {
         const TestView view = problem_.view(point, set);
-        if (!advance(view, sumOf(view, true), set, scales, 2 * kSettled, true, point)) break;
+        if (!advance(view, sumOf(view, true), set, scales, 2 * kSettled, true, 0, point)) break;
     }
     return point;
 }

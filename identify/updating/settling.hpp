@@ -1,7 +1,7 @@
 /// @file
 /// The most probable numbers of one set of causes: steps of Gauss and Newton on the posterior, damped as Levenberg's
-/// (1944) where they lose what they promise. Each is tried by the equations themselves, with the size of the
-/// discrepancy following what the set leaves.
+/// (1944) while the equations are far from satisfied and where steps lose what they promise. Each is tried by the
+/// equations themselves, with the size of the discrepancy following what the set leaves.
 #pragma once
 
 #include <Eigen/Core>
@@ -94,9 +94,9 @@ public:
 
 private:
     BlockScales settleScales(const Information& all, const HypothesisSet& set) const;
-    bool improve(SetState& state, bool with_validation) const;
+    bool improve(SetState& state, bool with_validation, double damping) const;
     bool advance(const TestView& view, const Information& all, const HypothesisSet& set, const BlockScales& scales,
-                 double least, bool with_validation, TestPoint& point) const;
+                 double least, bool with_validation, double first_damping, TestPoint& point) const;
 
     const TestProblem& problem_;
     double alike_ = 1;
