@@ -330,7 +330,7 @@ Plot plotAutocorrelation(const RunRemainder& run) {
     const Eigen::Index count = run.unexplained.cols();
     const auto overlap = static_cast<Eigen::Index>(std::ceil(run.overlap / run.interval));
     const double shown = std::max(kShownLag, kShownOverlaps * run.overlap) / run.interval;
-    const auto lags = static_cast<int>(std::min(shown, static_cast<double>(count / 4)));
+    const auto lags = static_cast<int>(std::min(static_cast<Eigen::Index>(shown), count / 4));
     Plot plot{"Autocorrelation of what is left", "lag [ms]", "correlation [-]", {}};
     std::vector<double> at(static_cast<std::size_t>(lags) + 1);
     for (std::size_t k = 0; k < at.size(); ++k) at[k] = 1e3 * static_cast<double>(k) * run.interval;
