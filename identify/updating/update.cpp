@@ -326,7 +326,7 @@ private:
     std::string nameTriax(int triax) const {
         const auto& triaxes = problem_.layout().triaxes;
         const std::string& name = triaxes[triax].name;
-        const std::string place = reportPlace(name);
+        std::string place = reportPlace(name);
         const auto here = [&](const SensorTriax& other) { return reportPlace(other.name) == place; };
         if (std::count_if(triaxes.begin(), triaxes.end(), here) == 1) return place;
         return name == place ? place + ".d" : name;
