@@ -1,7 +1,9 @@
 #include "plugin/excitation_kinds.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <set>
 #include <sstream>
 
@@ -272,7 +274,12 @@ double chooseSampleRate(double highest) {
 }  // namespace
 
 Excitation makeReplay(Recording recording, const SimulateOptions& options, const std::vector<SensorFault>& sensors) {
-    recording = correctChannels(recording, sensors);
+    // A channel that is not replayed may be dead.
+    std::vector<SensorFault> of_drive;
+    std::copy_if(sensors.begin(), sensors.end(), std::back_inserter(of_drive), [](const SensorFault& sensor) {
+        return sensor.channel.rfind("load", 0) == 0 || sensor.channel.rfind("base", 0) == 0;
+    });
+    recording = correctChannels(recording, of_drive);
     Excitation excitation;
     excitation.drive = makeReplayDrive(recording);
     excitation.time_offset = recording.time.front();

@@ -199,11 +199,11 @@ void Settler::settle(SetState& state, int most, bool with_validation) const {
     const std::vector<double> misfits =
         calcMisfits(sumOf(state.view, with_validation), problem_.estimateOf(state.point));
     // The more a model leaves, the less its columns say of where that vanishes (Fan and Yuan, 2005, damp by the
-    // residual). What the recordings know best moves first. The last of the steps is not damped, however many there
-    // are.
+    // residual). What the recordings know best moves first. Where few steps are allowed, the last has at most the
+    // prior's own precision as its damping.
     double damping = std::min(*std::max_element(misfits.begin(), misfits.end()) - 1, std::pow(kEased, most - 1));
     for (int pass = 0; pass < most;) {
-        if (damping < 1) damping = 0;
+        if (!(damping >= 1)) damping = 0;  // nor where a misfit is no number
         const bool moved = improve(state, with_validation, damping);
         if (!moved && damping == 0) break;
         if (moved) ++pass;

@@ -1,5 +1,6 @@
 // Faults of sensors that the model states are taken off, and what is found is told in all.
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>

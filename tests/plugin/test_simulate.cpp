@@ -216,11 +216,12 @@ TEST_CASE("a sweep is recorded, told, and replayed") {
     CHECK(worst < 2e-6);  // before the stops make it sensitive; the load is interpolated between its samples
 }
 
-TEST_CASE("What a load cell reads of nothing is recorded, and no part of what a replay applies") {
+TEST_CASE("What a load cell adds to the truth is recorded, and no part of what a replay applies") {
     const TemporaryDirectory folder;
     std::ifstream shipped(smallsat);
     std::ostringstream text;
-    text << shipped.rdbuf() << "\n[[sensor]]\nchannel = \"load.fz\"\nzero = 40\n";
+    text << shipped.rdbuf() << "\n[[sensor]]\nchannel = \"load.fz\"\ngain = 1.1\nzero = 40\n"
+         << "[[sensor]]\nchannel = \"mobile.1.az\"\ngain = 0\n";  // a dead channel stops no replay
     std::string model = text.str();
     const std::string modes = "smallsat_bracket.csv";
     model.replace(model.find(modes), modes.size(),
