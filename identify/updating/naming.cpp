@@ -23,6 +23,12 @@ double toleranceOf(const Unknown& row) {
     return 2 * row.deviation;
 }
 
+/// Whether a statement is of several places, each with a number of its own: two stops, each with its clearance. A
+/// factor on several is one number, a rotation is one place.
+bool isOfEachPlace(const Hypothesis& hypothesis) {
+    return hypothesis.where.size() > 1 && hypothesis.where.size() == hypothesis.directions.size();
+}
+
 }  // namespace
 
 std::string describe(const Hypothesis& hypothesis) {
@@ -68,15 +74,19 @@ bool isToleranced(const TestProblem& problem, const Hypothesis& hypothesis) {
 
 bool isBeyondTolerance(const TestProblem& problem, const Hypothesis& hypothesis, const TestPoint& point) {
     if (!isToleranced(problem, hypothesis)) return true;
-    return std::any_of(hypothesis.reported.begin(), hypothesis.reported.end(), [&](int index) {
+    const bool of_each = isOfEachPlace(hypothesis);
+    for (const int index : hypothesis.reported) {
         const Unknown& row = rowOf(problem, index);
-        return row.deviation > 0 && std::abs(point.values[index] - row.believed) > toleranceOf(row);
-    });
+        if (!(row.deviation > 0)) continue;
+        const bool is_beyond = std::abs(point.values[index] - row.believed) > toleranceOf(row);
+        if (is_beyond != of_each) return is_beyond;
+    }
+    return of_each;
 }
 
 double calcBeyondProbability(const TestProblem& problem, const Hypothesis& hypothesis, const TestPoint& point,
                              const Posterior& posterior) {
-    double largest = 0;
+    double largest = 0, least = 1;
     for (const int index : hypothesis.reported) {
         const Unknown& row = rowOf(problem, index);
         if (!(row.deviation > 0)) continue;
@@ -84,8 +94,9 @@ double calcBeyondProbability(const TestProblem& problem, const Hypothesis& hypot
         const double excess = std::abs(point.values[index] - row.believed) - toleranceOf(row);
         const double probability = error > 0 ? calcNormal(excess / error) : (excess > 0 ? 1.0 : 0.0);
         largest = std::max(largest, probability);
+        least = std::min(least, probability);
     }
-    return largest;
+    return isOfEachPlace(hypothesis) ? std::min(least, largest) : largest;
 }
 
 bool isPossible(const TestProblem& problem, const HypothesisSet& set, const Eigen::VectorXd& estimate) {

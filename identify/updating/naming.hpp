@@ -21,11 +21,12 @@ bool isSensorFault(const Hypothesis& hypothesis);
 /// A number that the model or the measurement has, with a tolerance; anything else is a mechanism that the model lacks.
 bool isToleranced(const TestProblem& problem, const Hypothesis& hypothesis);
 
-/// Whether a number of the hypothesis lies beyond its tolerance (2 standard deviations of its prior); mechanisms always
-/// do.
+/// Whether a number of the hypothesis lies beyond its tolerance (2 standard deviations of its prior), and that of each
+/// place if each has its own; mechanisms always do.
 bool isBeyondTolerance(const TestProblem& problem, const Hypothesis& hypothesis, const TestPoint& point);
 
-/// Probability that a number of the hypothesis lies beyond its tolerance, on either side, the likeliest of them.
+/// Probability that a number of the hypothesis lies beyond its tolerance, on either side, the likeliest of them; of
+/// places with a number each, the unlikeliest.
 double calcBeyondProbability(const TestProblem& problem, const Hypothesis& hypothesis, const TestPoint& point,
                              const Posterior& posterior);
 

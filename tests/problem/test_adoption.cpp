@@ -64,6 +64,30 @@ TEST_CASE("A hypothesis that leaves the set takes with it what its adoption had 
     CHECK(adopted > 0);
 }
 
+TEST_CASE("Two clearances are a cause where each is beyond its tolerance, one factor where any number is",
+          "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const TestProblem problem = makeProblem(random);
+    int pairs = 0, factors = 0;
+    for (const Hypothesis& hypothesis : problem.hypotheses()) {
+        if (hypothesis.where.size() < 2 || !isToleranced(problem, hypothesis)) continue;
+        CAPTURE(describe(hypothesis));
+        const bool each = hypothesis.directions.size() > 1;
+        ++(each ? pairs : factors);
+        TestPoint point = problem.believedPoint();
+        CHECK_FALSE(isBeyondTolerance(problem, hypothesis, point));
+        const auto move = [&](int row) { point.values[row] += 2.1 * problem.table()[row].deviation; };
+        move(hypothesis.reported.front());
+        CHECK(isBeyondTolerance(problem, hypothesis, point) != each);
+        for (std::size_t i = 1; i < hypothesis.reported.size(); ++i) move(hypothesis.reported[i]);
+        CHECK(isBeyondTolerance(problem, hypothesis, point));
+    }
+    CHECK(pairs > 0);
+    CHECK(factors > 0);
+}
+
 TEST_CASE("A missing mode is sought once, and is one statement beside those of the modes that are there",
           "[updating]") {
     const unsigned seed = test::drawSeed();
