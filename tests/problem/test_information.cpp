@@ -70,6 +70,19 @@ TEST_CASE("Bursts of noise widen by the sandwich", "[information]") {
     CHECK((sum.A.ldlt().solve(sum.b) - inverse * all[0].b).norm() < 1e-8);
 }
 
+TEST_CASE("The variance of bursts goes down with the square of what their block's scale takes off b", "[information]") {
+    Information all;
+    all[0] = makeBlock(Eigen::MatrixXd::Constant(1, 1, 4), Eigen::VectorXd::Constant(1, 5));
+    all[0].scatter = Eigen::MatrixXd::Constant(1, 1, 64);
+    const auto calcInformation = [&](double scale) {
+        BlockScales scales;
+        scales[0].scale = scale;
+        return combine(all, scales, Eigen::VectorXd::Constant(1, 1e7)).A(0, 0);
+    };
+    CHECK(calcInformation(1) == Approx(16. * 16 / (16 + 64)));
+    CHECK(calcInformation(4) == Approx(4. * 4 / (4 + 4)));  // A 16 / 4, V 64 / 16
+}
+
 // y = θ x with noise in x and y: least squares is drawn to zero by σ² N, which the slope takes off.
 TEST_CASE("The noise slope takes the regressor's noise off", "[information]") {
     std::mt19937 random(4);
