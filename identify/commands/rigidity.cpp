@@ -11,6 +11,7 @@
 #include "models/common/error.hpp"
 #include "models/common/format_number.hpp"
 #include "models/report/html_report.hpp"
+#include "models/sensor_reading.hpp"
 
 namespace wems::identify::commands {
 namespace {
@@ -130,7 +131,8 @@ RigidityAnswer runRigidity(const RigidityRequest& request, Watcher& watcher) {
     if (!inputs.model) throw InputError({}, "there is no model", "the device's model");
     answer.model = *inputs.model;
     watcher.onStep({"reading " + request.recording.file});
-    answer.recording = readDeviceRecordings({request.recording}, request.columns, answer.model).front();
+    answer.recording = correctChannels(readDeviceRecordings({request.recording}, request.columns, answer.model).front(),
+                                       answer.model.sensors);
     watcher.onStep({"checks", 0.45, 1});  // as a sweep of 50 000 samples takes
     answer.rigidity = checkRigidity(answer.recording, answer.model);
     answer.quality = judgeQuality(answer.recording, &answer.model, answer.recording.findings);

@@ -123,6 +123,16 @@ def test_three_accelerometers_are_enough(folder):
     assert "slow motion" in str(error.value)
 
 
+def test_rigidity_knows_the_sensors_of_the_model(folder):
+    text = (folder / "believed.toml").read_text(encoding="utf-8")
+    (folder / "sensors.toml").write_text(text + '\n[[sensor]]\nchannel = "mobile.3.z"\ngain = 1.05\n', encoding="utf-8")
+    subprocess.run([SIMULATE, "sensors.toml", "--sweep", "8:40", "--rate", "120", "--force", "z=40",
+                    "--noise", "displacement=1e-6", "-q", "-o", "scaled.csv"], check=True)
+    suspects = wems.rigidity("scaled.csv", "believed.toml")["suspects"]
+    assert [suspect["channel"] for suspect in suspects] == ["mobile.3.z"]
+    assert wems.rigidity("scaled.csv", "sensors.toml")["suspects"] == []
+
+
 def test_levels_overlaid(folder):
     model = wems.Model(MODELS / "smallsat_wems.toml")
     options = {"sweep": (8, 25), "rate": 60}
