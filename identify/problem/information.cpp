@@ -65,7 +65,8 @@ BlockInformation combine(const Information& information, const BlockScales& scal
             scaled.A -= scaled.growth / scales[k].scale;
             if (scaled.growth_right.size() > 0) scaled.b += scaled.growth_right / scales[k].scale;
         }
-        if (scaled.scatter.size() > 0) scaled.scatter /= scales[k].scale * scales[k].scale;
+        // In a step the bursts are those of noise. What a wrong model leaves of a rank comes in bursts as well.
+        if (scaled.scatter.size() > 0) scaled.scatter /= followed ? scales[k].scale * scales[k].scale : scales[k].scale;
         // The columns' noise is that of the channels, whatever a wrong model leaves.
         const double level = std::min(1.0, scales[k].level) / scales[k].scale;
         if (scaled.noise.size() > 0) scaled.noise *= level;

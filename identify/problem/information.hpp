@@ -70,7 +70,9 @@ enum class Growth {
 /// N. The level of the noise in each band is known to a part τ only, so that b scatters by τ s more than by A, and
 /// bursts of noise add theirs (V): A and b become A' C⁻¹ A' and A' C⁻¹ b with C = A + V + τ² Σ s sᵀ. What is a factor
 /// on all forces, in which nothing but that level speaks, is then left to its prior. Where growth is followed, A is A −
-/// K, and s in C is without what a wrong model adds to it.
+/// K, and s in C is without what a wrong model adds to it. V, a variance of b, is over the square of the scale there:
+/// over the scale it would outweigh A far from the truth, and steps would seek a small gradient, not a small χ². Where
+/// growth is doubted, b scatters by what a wrong model leaves as by noise of that size, in bursts: (A + V) / scale.
 /// @param reach standard deviation of each column where it is free
 BlockInformation combine(const Information& information, const BlockScales& scales, const Eigen::VectorXd& reach,
                          Growth growth = Growth::doubted);

@@ -70,17 +70,19 @@ TEST_CASE("Bursts of noise widen by the sandwich", "[information]") {
     CHECK((sum.A.ldlt().solve(sum.b) - inverse * all[0].b).norm() < 1e-8);
 }
 
-TEST_CASE("The variance of bursts goes down with the square of what their block's scale takes off b", "[information]") {
+TEST_CASE("Bursts are those of noise in a step, and of all that is left in a rank", "[information]") {
     Information all;
     all[0] = makeBlock(Eigen::MatrixXd::Constant(1, 1, 4), Eigen::VectorXd::Constant(1, 5));
     all[0].scatter = Eigen::MatrixXd::Constant(1, 1, 64);
-    const auto calcInformation = [&](double scale) {
+    const auto calcInformation = [&](double scale, Growth growth) {
         BlockScales scales;
         scales[0].scale = scale;
-        return combine(all, scales, Eigen::VectorXd::Constant(1, 1e7)).A(0, 0);
+        return combine(all, scales, Eigen::VectorXd::Constant(1, 1e7), growth).A(0, 0);
     };
-    CHECK(calcInformation(1) == Approx(16. * 16 / (16 + 64)));
-    CHECK(calcInformation(4) == Approx(4. * 4 / (4 + 4)));  // A 16 / 4, V 64 / 16
+    for (const Growth growth : {Growth::followed, Growth::doubted})
+        CHECK(calcInformation(1, growth) == Approx(16. * 16 / (16 + 64)));
+    CHECK(calcInformation(4, Growth::followed) == Approx(4. * 4 / (4 + 4)));  // A 16 / 4, V 64 / 16
+    CHECK(calcInformation(4, Growth::doubted) == Approx(4. * 4 / (4 + 16)));  // V 64 / 4
 }
 
 // y = θ x with noise in x and y: least squares is drawn to zero by σ² N, which the slope takes off.
