@@ -65,7 +65,7 @@ BlockInformation combine(const Information& information, const BlockScales& scal
             scaled.A -= scaled.growth / scales[k].scale;
             if (scaled.growth_right.size() > 0) scaled.b += scaled.growth_right / scales[k].scale;
         }
-        // In a step the bursts are those of noise. What a wrong model leaves of a rank comes in bursts as well.
+        // In a step V is of noise alone. In a rank it stands for the bursts of what a wrong model leaves, too.
         if (scaled.scatter.size() > 0) scaled.scatter /= followed ? scales[k].scale * scales[k].scale : scales[k].scale;
         // The columns' noise is that of the channels, whatever a wrong model leaves.
         const double level = std::min(1.0, scales[k].level) / scales[k].scale;
