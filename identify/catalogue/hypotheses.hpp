@@ -9,15 +9,11 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "identify/catalogue/axis_reach.hpp"
 #include "identify/problem/linearised_run.hpp"
 #include "identify/solve/evidence.hpp"
 
 namespace wems::identify::updating {
-
-/// How far each axis of each connection moved in any run, m: row 3 i + axis; largest positive and largest negative.
-struct AxisReach {
-    Eigen::VectorXd positive, negative;
-};
 
 struct Catalogue {
     ColumnSet columns;  ///< the table's rows, and what the hypotheses need beside them

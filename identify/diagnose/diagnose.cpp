@@ -17,12 +17,13 @@ namespace wems::identify {
 namespace {
 
 /// With every number anywhere within its tolerance. Nothing where the recordings cannot be judged so.
-std::optional<Diagnosis> diagnoseWithTolerances(const std::vector<Recording>& identification,
-                                                const std::vector<Recording>& validation, const MountModel& model,
+std::optional<Diagnosis> diagnoseWithTolerances(const updating::TestProblem& problem, const MountModel& model,
                                                 const DiagnosisOptions& options) {
-    if (isExactlyKnown(model)) return std::nullopt;
+    if (problem.exactlyKnown()) return std::nullopt;
     try {
-        return updating::updateModel(identification, validation, model, updating::Numbers::within_tolerances, options);
+        updating::ModelUpdate update(problem, model, updating::Numbers::within_tolerances, options);
+        update.select();
+        return update.report();
     } catch (const InputError&) {  // said by the step with exact numbers too, in the terms of its own needs
         return std::nullopt;
     }
@@ -64,24 +65,31 @@ Diagnosis checkVerdict(Diagnosis result, const MountModel& model) {
 /// Of recordings whose channels say what the model's do.
 Diagnosis diagnoseCorrected(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
                             const MountModel& model, const DiagnosisOptions& options) {
+    const updating::TestProblem problem(identification, validation, model);
     // The simplest world first: exact numbers and a cause or two. Where that leaves something, nothing is exact.
-    Diagnosis exact = checkVerdict(
-        updating::updateModel(identification, validation, model, updating::Numbers::exact, options), model);
-    // What it accuses must satisfy the equations: small errors everywhere find something to accuse.
-    const bool answers = exact.causes.empty() || (satisfiesEquations(exact) && !exact.asks_for_more);
-    if (exact.verdict != Diagnosis::Verdict::unexplained && (answers || isExactlyKnown(model))) return exact;
-    auto adjusted = diagnoseWithTolerances(identification, validation, model, options);
+    updating::ModelUpdate update(problem, model, updating::Numbers::exact, options);
+    update.select();
+    std::optional<Diagnosis> exact;
+    if (!update.asksForMore()) {
+        exact = checkVerdict(update.report(), model);
+        // What it accuses must satisfy the equations: small errors everywhere find something to accuse.
+        const bool answers = exact->causes.empty() || satisfiesEquations(*exact);
+        if (exact->verdict != Diagnosis::Verdict::unexplained && (answers || problem.exactlyKnown())) return *exact;
+    }
+    auto adjusted = diagnoseWithTolerances(problem, model, options);
     if (adjusted) adjusted = checkVerdict(std::move(*adjusted), model);
+    if (adjusted && satisfiesEquations(*adjusted)) return std::move(*adjusted);
+    if (!exact) exact = checkVerdict(update.report(), model);
     // Where neither satisfies the equations, the prediction decides between two answers of one kind, if one is of more
     // use than the other; an answer that explains stands before one that does not.
     const auto explains = [](const Diagnosis& own) {
         return own.verdict != Diagnosis::Verdict::unexplained && !leavesOneBeyond(own);
     };
-    if (!adjusted || (!satisfiesEquations(*adjusted) && explains(exact) >= explains(*adjusted) &&
-                      (explains(exact) > explains(*adjusted) ||
-                       (1 + kWorth) * exact.error_after.validation <= adjusted->error_after.validation)))
-        return exact;
-    return std::move(*adjusted);
+    const bool as_good =
+        adjusted && (explains(*adjusted) > explains(*exact) ||
+                     (explains(*adjusted) == explains(*exact) &&
+                      adjusted->error_after.validation < (1 + kWorth) * exact->error_after.validation));
+    return std::move(as_good ? *adjusted : *exact);
 }
 
 }  // namespace

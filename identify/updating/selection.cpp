@@ -106,8 +106,7 @@ private:
         const std::vector<RankedSet> candidates = evidence.search({state_.set}, kBeam, largest);
         Decision decision = record(evidence);
         if (problem_.numbers() == Numbers::exact) {
-            result_.asks_for_more = !problem_.exactlyKnown() && state_.set.size() >= kMostExact &&
-                                    (excess_ >= kSatisfied - 1 || settled_.findsMore(evidence, candidates, standing_));
+            result_.asks_for_more = !problem_.exactlyKnown() && asksForMore(evidence, candidates);
             if (result_.asks_for_more) {
                 decision.action = "exact numbers ask for more causes";
                 return conclude(decision, false);
@@ -145,6 +144,20 @@ private:
         decision.error = standing_.judged.error;
         result_.decisions.push_back(decision);
         return changed;
+    }
+
+    /// Whether what exact numbers leave is rather the tolerances' than that of one cause more.
+    bool asksForMore(const Evidence& evidence, const std::vector<RankedSet>& candidates) {
+        const bool satisfied = excess_ < kSatisfied - 1;
+        if (state_.set.size() >= kMostExact) return !satisfied || settled_.findsMore(evidence, candidates, standing_);
+        if (satisfied || state_.set.empty()) return false;
+        // One set of equations, and both answers by the quadratic about the same state.
+        double most = evidence.calcLogEvidence(state_.set);
+        for (const RankedSet& entry : candidates) most = std::max(most, entry.log_evidence);
+        problem_.assume(Numbers::within_tolerances);
+        const double tolerant = ownEvidence().calcLogEvidence(state_.set);
+        problem_.assume(Numbers::exact);
+        return tolerant > most + kUnlikely;
     }
 
     /// Whether some set would leave at most half of what exceeds the noise, by the quadratic, or that is little anyway.

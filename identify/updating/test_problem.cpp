@@ -1,6 +1,5 @@
 #include "identify/updating/test_problem.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,7 +9,6 @@
 #include "identify/problem/open_loop_run.hpp"
 #include "identify/updating/missing_mode.hpp"
 #include "identify/verdict/free_error.hpp"
-#include "models/bryant.hpp"
 #include "models/common/error.hpp"
 #include "models/model_tolerance.hpp"
 
@@ -71,25 +69,6 @@ bool isDormant(const BracketMode& mode) {
     return mode.translation.isZero(0.0) && mode.rotation.isZero(0.0);
 }
 
-/// Largest relative displacement of each axis along a run.
-void widen(AxisReach& reach, const RunMotion& motion, const MountModel& model, double& velocity) {
-    for (std::size_t i = 0; i < model.connections.size(); ++i) {
-        const Eigen::Vector3d r = model.connections[i].position;
-        for (Eigen::Index k = 0; k < motion.mobile.p.cols(); ++k) {
-            const Eigen::Vector3d q = motion.mobile.p.col(k) + rotationFromVector(motion.mobile.theta.col(k)) * r -
-                                      motion.fixed.p.col(k) - rotationFromVector(motion.fixed.theta.col(k)) * r;
-            const Eigen::Vector3d v = motion.mobile.v.col(k) + motion.mobile.w.col(k).cross(r) - motion.fixed.v.col(k) -
-                                      motion.fixed.w.col(k).cross(r);
-            velocity = std::max(velocity, v.cwiseAbs().maxCoeff());
-            for (int a = 0; a < 3; ++a) {
-                const Eigen::Index row = 3 * static_cast<Eigen::Index>(i) + a;
-                reach.positive[row] = std::max(reach.positive[row], q[a]);
-                reach.negative[row] = std::max(reach.negative[row], -q[a]);
-            }
-        }
-    }
-}
-
 }  // namespace
 
 TestProblem::TestProblem(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
@@ -98,16 +77,16 @@ TestProblem::TestProblem(const std::vector<Recording>& identification, const std
     std::vector<Recording> all = identification;
     all.insert(all.end(), validation.begin(), validation.end());
     layout_ = makeSensorLayout(all, model);
-    runs_.resize(all.size());
-    runParallel(all.size(), [&](std::size_t r) { runs_[r] = prepareTestRun(all[r], layout_, model); });
-    const auto axes = 3 * static_cast<Eigen::Index>(model.connections.size());
-    AxisReach reach{Eigen::VectorXd::Zero(axes), Eigen::VectorXd::Zero(axes)};
+    std::vector<TestRun> prepared(all.size());
+    runParallel(all.size(), [&](std::size_t r) { prepared[r] = prepareTestRun(all[r], layout_, model); });
+    runs_ = std::make_shared<const std::vector<TestRun>>(std::move(prepared));
+    AxisReach reach(model);
     TestScales scales;
     ExcitedBand swept;
     LoadedAxes loaded{};
     scales.lowest = std::numeric_limits<double>::infinity();
-    for (const TestRun& run : runs_) {
-        widen(reach, run.motion, model, scales.velocity);
+    for (const TestRun& run : runs()) {
+        reach.widen(run.motion, model);
         scales.lowest = std::min(scales.lowest, run.band.lowest);
         scales.highest = std::max(scales.highest, run.band.highest);
         scales.duration = std::max(scales.duration, run.motion.time.back() - run.motion.time.front());
@@ -116,8 +95,9 @@ TestProblem::TestProblem(const std::vector<Recording>& identification, const std
         if (run.swept.is_sine && run.motion.load.cols() > 0) swept = {scales.lowest, scales.highest};
     }
     scales.displacement = std::max(reach.positive.maxCoeff(), reach.negative.maxCoeff());
+    scales.velocity = reach.velocity;
     if (!(scales.displacement > 0) || !(scales.velocity > 0))
-        throw InputError({runs_.front().recording.file, 0, {}}, "nothing moves across the mount");
+        throw InputError({runs().front().recording.file, 0, {}}, "nothing moves across the mount");
     believed_ = addDormantStops(model, scales.displacement);
     addDormantMode(believed_, scales.lowest);
     table_ = makeUnknownTable({believed_, SensorErrors(layout_)}, layout_, scales, loaded);
@@ -282,12 +262,12 @@ std::array<double, 2> TestProblem::calcDisplacementNoise(std::size_t index) cons
     std::array<double, 2> noise{0, 0};
     for (std::size_t g = 0; g < layout_.groups.size(); ++g)
         if (layout_.groups[g].derivative == Derivative::displacement)
-            noise[layout_.groups[g].part == Part::mobile ? 0 : 1] = runs_[index].noise[g].variance();
+            noise[layout_.groups[g].part == Part::mobile ? 0 : 1] = runs()[index].noise[g].variance();
     return noise;
 }
 
 DriveNoise TestProblem::calcDriveNoise(std::size_t index) const {
-    const TestRun& run = runs_[index];
+    const TestRun& run = runs()[index];
     DriveNoise noise;
     noise.lowest = run.band.lowest;
     noise.highest = run.band.highest;
@@ -310,7 +290,7 @@ DriveNoise TestProblem::calcDriveNoise(std::size_t index) const {
 }
 
 TestProblem::ExactRun TestProblem::calcExactRun(std::size_t index, const TestPoint& point) const {
-    TestRun exact = point.state.sensors.isZero() ? runs_[index] : correctRun(runs_[index], point);
+    TestRun exact = point.state.sensors.isZero() ? runs()[index] : correctRun(runs()[index], point);
     const Eigen::MatrixXd relative = calcMeasuredRelative(exact.recording, exact.motion, believed_);
     return {std::move(exact.motion), relative};
 }
@@ -331,11 +311,11 @@ TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point) cons
 
 const std::vector<TestRun>& TestProblem::correctRuns(const TestPoint& point) const {
     const SensorErrors& errors = point.state.sensors;
-    if (errors.isZero()) return runs_;
+    if (errors.isZero()) return runs();
     if (!corrected_ || !(corrected_->errors == errors)) {
         corrected_.reset();
-        std::vector<TestRun> corrected(runs_.size());
-        runParallel(runs_.size(), [&](std::size_t r) { corrected[r] = correctRun(runs_[r], point); });
+        std::vector<TestRun> corrected(runs().size());
+        runParallel(runs().size(), [&](std::size_t r) { corrected[r] = correctRun(runs()[r], point); });
         corrected_ = CorrectedRuns{errors, std::move(corrected)};
     }
     return corrected_->runs;
@@ -368,7 +348,8 @@ TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set) con
     return view(point, columns);
 }
 
-TestView TestProblem::view(const TestPoint& point, const ColumnSet& columns) const {
+TestView TestProblem::view(const TestPoint& point, ColumnSet columns) const {
+    columns.table = &table_;  // of this copy
     TestView result;
     result.at = point;
     const std::vector<TestRun>& runs = correctRuns(point);
@@ -376,7 +357,7 @@ TestView TestProblem::view(const TestPoint& point, const ColumnSet& columns) con
     runParallel(runs.size(),
                 [&](std::size_t r) { result.runs[r] = linearise(runs[r], layout_, columns, point.state); });
     Eigen::VectorXd offset = -estimateOf(point);
-    for (std::size_t r = 0; r < runs_.size(); ++r)
+    for (std::size_t r = 0; r < runs.size(); ++r)
         add(r < identification_count_ ? result.identification : result.validation,
             shiftToBelieved(result.runs[r].information, offset));
     return result;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,7 @@ struct TestMisfit {
 /// is free in either case.
 enum class Numbers { exact, within_tolerances };
 
+/// A copy shares the recordings; what it adopts, seeks and assumes is its own.
 class TestProblem {
 public:
     /// @throws InputError if the motion of a run cannot be recovered
@@ -49,7 +51,7 @@ public:
     const UnknownTable& table() const { return table_; }
     const std::vector<Hypothesis>& hypotheses() const { return catalogue_.hypotheses; }
     const SensorLayout& layout() const { return layout_; }
-    const std::vector<TestRun>& runs() const { return runs_; }
+    const std::vector<TestRun>& runs() const { return *runs_; }
     std::size_t identificationCount() const { return identification_count_; }
     /// Prior standard deviation of each column.
     Eigen::VectorXd deviations() const;
@@ -98,12 +100,14 @@ public:
     TestView view(const TestPoint& point, const HypothesisSet& set) const;
     /// χ² and count of each block, without derivatives, each run corrected and weighed as the point itself has it.
     TestMisfit misfit(const TestPoint& point) const;
+    /// Gives back the memory of the recordings as the last point's sensors had them.
+    void forgetCorrected() const { corrected_.reset(); }
 
     /// The model of a point as it is written and simulated: without what has no force.
     MountModel cleanModel(const TestPoint& point) const;
 
 private:
-    TestView view(const TestPoint& point, const ColumnSet& columns) const;
+    TestView view(const TestPoint& point, ColumnSet columns) const;
     bool isAdopted(int hypothesis) const;
     /// Prior standard deviation of a row outside all hypotheses.
     double deviationOf(const Unknown& row) const;
@@ -114,7 +118,7 @@ private:
 
     MountModel believed_;
     SensorLayout layout_;
-    std::vector<TestRun> runs_;
+    std::shared_ptr<const std::vector<TestRun>> runs_;
     std::size_t identification_count_ = 0;
     Numbers numbers_ = Numbers::within_tolerances;
     bool exactly_known_ = false;

@@ -40,24 +40,21 @@ double toDecibel(double ratio) {
     return ratio > 0 ? std::clamp(20 * std::log10(ratio), -kLargestDecibels, kLargestDecibels) : 0;
 }
 
-class Diagnostician {
+}  // namespace
+
+class ModelUpdate::Impl {
 public:
-    Diagnostician(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
-                  const MountModel& model, Numbers numbers, const DiagnosisOptions& options)
-        : model_(model),
-          options_(options),
-          problem_(identification, validation, model, numbers),
-          own_(problem_, 0, identification.size()),
-          judging_(problem_, validation.empty() ? 0 : identification.size(),
-                   validation.empty() ? identification.size() : validation.size()) {
+    Impl(const TestProblem& problem, const MountModel& model, Numbers numbers, const DiagnosisOptions& options)
+        : model_(model), options_(options), problem_(problem) {
+        problem_.assume(numbers);
         for (const TestRun& run : problem_.runs())
             for (const auto& note : run.motion.notes)
                 if (std::find(result_.notes.begin(), result_.notes.end(), note) == result_.notes.end())
                     result_.notes.push_back(note);
-        result_.validated = !validation.empty();
+        result_.validated = firstJudging() > 0;
     }
 
-    Diagnosis run() {
+    void select() {
         std::optional<DrivenNoise> driven;  // of the first model that is judged: it changes little from one to another
         const FreeJudge predict = [&](const TestPoint& point, const HypothesisSet& set) {
             FreeError judged = judging_.calcError(point, set);
@@ -66,6 +63,12 @@ public:
             return judged;
         };
         selection_ = selectCauses(problem_, predict, options_.progress);
+        problem_.forgetCorrected();
+    }
+
+    bool asksForMore() const { return selection_.asks_for_more; }
+
+    Diagnosis report() {
         tell("free simulations");
         result_.extended = problem_.cleanModel(selection_.state.point);
         addSensorFaults();
@@ -75,7 +78,6 @@ public:
         judge();
         addSpectrum();
         result_.decisions = selection_.decisions;
-        result_.asks_for_more = selection_.asks_for_more;
         result_.misfit_before = selection_.decisions.front().misfit.front();
         result_.misfit_after = selection_.decisions.back().misfit.front();
         return std::move(result_);
@@ -348,26 +350,43 @@ private:
 
     /// Of the mount's equation along the runs that judge, as believed and as answered.
     void addSpectrum() {
-        const std::size_t first = result_.validated ? problem_.identificationCount() : 0;
         result_.spectrum = calcMisfitSpectrum(problem_.view(problem_.believedPoint(), HypothesisSet{}),
-                                              problem_.view(selection_.state.point, HypothesisSet{}), first);
+                                              problem_.view(selection_.state.point, HypothesisSet{}), firstJudging());
     }
 
-    const MountModel& model_;
-    const DiagnosisOptions& options_;
+    /// Runs that judge: the last ones if there are such for validation, else all.
+    std::size_t firstJudging() const {
+        const std::size_t own = problem_.identificationCount();
+        return own < problem_.runs().size() ? own : 0;
+    }
+
+    MountModel model_;
+    DiagnosisOptions options_;
     TestProblem problem_;
-    FreeRuns own_, judging_;
+    FreeRuns own_{problem_, 0, problem_.identificationCount()};
+    FreeRuns judging_{problem_, firstJudging(), problem_.runs().size() - firstJudging()};
     Selection selection_;
     mutable std::optional<Evidence> full_evidence_;
     bool left_ = false;  // more than the band, the noise and what is worth naming
     Diagnosis result_;
 };
 
-}  // namespace
+ModelUpdate::ModelUpdate(const TestProblem& problem, const MountModel& model, Numbers numbers,
+                         const DiagnosisOptions& options)
+    : impl_(std::make_unique<Impl>(problem, model, numbers, options)) {}
 
-Diagnosis updateModel(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
-                      const MountModel& model, Numbers numbers, const DiagnosisOptions& options) {
-    return Diagnostician(identification, validation, model, numbers, options).run();
+ModelUpdate::~ModelUpdate() = default;
+
+void ModelUpdate::select() {
+    impl_->select();
+}
+
+bool ModelUpdate::asksForMore() const {
+    return impl_->asksForMore();
+}
+
+Diagnosis ModelUpdate::report() {
+    return impl_->report();
 }
 
 }  // namespace wems::identify::updating

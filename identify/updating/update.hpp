@@ -8,16 +8,35 @@
 /// with the adjustments, and after, against a band that noise and posterior allow.
 #pragma once
 
-#include <vector>
+#include <memory>
 
 #include "identify/updating/test_problem.hpp"
 #include "identify/verdict/diagnosis.hpp"
 
 namespace wems::identify::updating {
 
-/// @param validation runs that judge; empty: the identification runs do
-/// @throws InputError if the motion cannot be recovered or a simulation is not possible
-Diagnosis updateModel(const std::vector<Recording>& identification, const std::vector<Recording>& validation,
-                      const MountModel& model, Numbers numbers, const DiagnosisOptions& options);
+/// Under one assumption of the numbers. Whether its answer is asked for can be known before the simulations that it
+/// takes to report it.
+class ModelUpdate {
+public:
+    /// @param problem as constructed
+    ModelUpdate(const TestProblem& problem, const MountModel& model, Numbers numbers, const DiagnosisOptions& options);
+    ~ModelUpdate();
+    ModelUpdate(const ModelUpdate&) = delete;
+    ModelUpdate& operator=(const ModelUpdate&) = delete;
+
+    /// (1) and (2).
+    /// @throws InputError if a simulation is not possible
+    void select();
+    /// Of what was selected: whether the recordings speak for more than exact numbers may have.
+    bool asksForMore() const;
+    /// (3), once, after `select`.
+    /// @throws InputError if a simulation is not possible
+    Diagnosis report();
+
+private:
+    class Impl;
+    std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace wems::identify::updating

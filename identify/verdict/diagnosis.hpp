@@ -85,7 +85,6 @@ struct Diagnosis {
     double misfit_after = 0;
     MisfitSpectrum spectrum;
     std::vector<Decision> decisions;
-    bool asks_for_more = false;  ///< the causes stand, but the recordings speak for more than exact numbers may have
     std::vector<std::string> notes;  ///< how the motion was derived, what was found odd
 };
 

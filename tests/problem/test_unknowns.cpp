@@ -37,8 +37,10 @@ struct Device {
 
     TestState state() const { return {model, SensorErrors(layout)}; }
     Catalogue catalogue() const {
-        const Eigen::VectorXd far = Eigen::VectorXd::Constant(12, scales.displacement);
-        return makeCatalogue(table, layout, model, scales, {far, -far}, {scales.lowest, scales.highest});
+        AxisReach reach(model);
+        reach.positive.setConstant(scales.displacement);
+        reach.negative.setConstant(scales.displacement);
+        return makeCatalogue(table, layout, model, scales, reach, {scales.lowest, scales.highest});
     }
 };
 

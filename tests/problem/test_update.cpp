@@ -46,7 +46,10 @@ public:
         all.force = {60, 80, 100};
         z.duration = xy.duration = all.duration = 10;
         const std::vector<Recording> runs{record(truth, z), record(truth, xy)};
-        return updating::updateModel(runs, {record(truth, all)}, model, updating::Numbers::within_tolerances, {});
+        updating::ModelUpdate update(updating::TestProblem(runs, {record(truth, all)}, model), model,
+                                     updating::Numbers::within_tolerances, {});
+        update.select();
+        return update.report();
     }
 
     std::mt19937_64 random;
