@@ -11,9 +11,9 @@ namespace wems::identify::updating {
 namespace {
 
 // For time: not varied but for eight sets settled to their end, which took about twice as long.
-constexpr std::size_t kSettledSets = 8;  // sets of a round that are settled …
+constexpr std::size_t kSettledSets = 8;  // sets of a round that are settled, where numbers are exact by statement …
 constexpr int kFirstSteps = 4;           // … so far, all of them …
-constexpr std::size_t kFurtherSets = 3;  // … and so many to their end
+constexpr std::size_t kFurtherSets = 3;  // … and so many to their end; no more where what is left may be tolerances'
 constexpr int kSettlingSteps = 16;       // of Gauss and Newton
 
 }  // namespace
@@ -28,9 +28,10 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
     const double least = evidence.calcLogEvidence(present.state.set) - kUnlikely;
     std::vector<std::string> known{signatureOf(problem_, present.state.set)};
     std::vector<Settled> tried;
+    const std::size_t most = problem_.exactlyKnown() ? kSettledSets : kFurtherSets;
     const TestProblem::Memento before = problem_.remember();
     for (const RankedSet& entry : candidates) {
-        if (known.size() > kSettledSets) break;
+        if (known.size() > most) break;
         const std::string signature = signatureOf(problem_, entry.members);
         if (std::find(known.begin(), known.end(), signature) != known.end() || !mayBeTried(entry.members, standing))
             continue;
