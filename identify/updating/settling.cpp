@@ -204,9 +204,9 @@ void Settler::settle(SetState& state, int most, bool with_validation) const {
     double damping = std::min(*std::max_element(misfits.begin(), misfits.end()) - 1, std::pow(kEased, most - 1));
     for (int pass = 0; pass < most;) {
         if (!(damping >= 1)) damping = 0;  // nor where a misfit is no number
-        const bool moved = improve(state, with_validation, damping);
-        if (!moved && damping == 0) break;
-        if (moved) ++pass;
+        const Step step = improve(state, with_validation, damping);
+        if (damping == 0 && step != Step::onwards) break;
+        if (step != Step::none) ++pass;
         damping /= kEased;
     }
     state.scales = scalesOf(calcMisfits(sumOf(state.view, with_validation), problem_.estimateOf(state.point)));
@@ -214,9 +214,9 @@ void Settler::settle(SetState& state, int most, bool with_validation) const {
 
 /// The point towards which a quadratic leads, as far as the equations themselves bear out what it promises. The view
 /// was made at `point`: there the quadratic is what the equations say.
-/// @return false if no share of the way is worth it
-bool Settler::advance(const TestView& view, const Information& all, const HypothesisSet& set, const BlockScales& scales,
-                      double least, bool with_validation, double first_damping, TestPoint& point) const {
+Settler::Step Settler::advance(const TestView& view, const Information& all, const HypothesisSet& set,
+                               const BlockScales& scales, double least, bool with_validation, double first_damping,
+                               TestPoint& point) const {
     const SetEvidence evidence(problem_, all, scales, set, Growth::followed);
     const Eigen::VectorXd present = problem_.estimateOf(point), slope = calcPriorSlope(problem_, present, set);
     const Eigen::VectorXd target =
@@ -225,7 +225,7 @@ bool Settler::advance(const TestView& view, const Information& all, const Hypoth
         return evidence.calcChange(at) + calcPriorSquare(at, set);
     };
     const double here = objective(present);
-    if (!(here - objective(target) >= least)) return false;  // nor where it is no number
+    if (!(here - objective(target) >= least)) return Step::none;  // nor where it is no number
     struct Reached {
         double promised = 0, gain = 0;  // by the quadratic; by the equations
         TestPoint point;
@@ -252,28 +252,29 @@ bool Settler::advance(const TestView& view, const Information& all, const Hypoth
             if (kept) break;
         }
     }
-    if (!(best.gain > std::max(kGained * least, kPromised * best.promised))) return false;
+    if (!(best.gain > std::max(kGained * least, kPromised * best.promised))) return Step::none;
     point = std::move(best.point);
-    return true;
+    return best.gain >= least ? Step::onwards : Step::last;
 }
 
 /// A step of the set: with the present discrepancy, or, undamped, with the one that its estimate would leave.
-bool Settler::improve(SetState& state, bool with_validation, double damping) const {
+Settler::Step Settler::improve(SetState& state, bool with_validation, double damping) const {
     const Information all = sumOf(state.view, with_validation);
     const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(state.point));
     const double least = std::max(2 * kSettled, kWorthwhile * calcCost(all, misfits));
-    const auto step = [&](const BlockScales& scales) {
-        if (!advance(state.view, all, state.set, scales, least, with_validation, damping, state.point)) return false;
-        state.view = problem_.view(state.point, state.set);
-        return true;
+    const auto advanced = [&](const BlockScales& scales) {
+        return advance(state.view, all, state.set, scales, least, with_validation, damping, state.point);
     };
-    return step(scalesOf(misfits)) || (damping == 0 && step(settleScales(all, state.set)));
+    Step step = advanced(scalesOf(misfits));
+    if (step == Step::none && damping == 0) step = advanced(settleScales(all, state.set));
+    if (step != Step::none) state.view = problem_.view(state.point, state.set);
+    return step;
 }
 
 TestPoint Settler::refine(TestPoint point, const HypothesisSet& set, const BlockScales& scales, int most) const {
     for (int pass = 0; pass < most; ++pass) {
         const TestView view = problem_.view(point, set);
-        if (!advance(view, sumOf(view, true), set, scales, 2 * kSettled, true, 0, point)) break;
+        if (advance(view, sumOf(view, true), set, scales, 2 * kSettled, true, 0, point) != Step::onwards) break;
     }
     return point;
 }

@@ -70,8 +70,8 @@ class Settler {
 public:
     explicit Settler(const TestProblem& problem);
 
-    /// Steps until the next would change the evidence by less than a half, `most` at most. The view keeps the columns
-    /// of the set alone, if a step was taken.
+    /// Steps until one changes the evidence by less than a half, or would do so, `most` at most. The view keeps the
+    /// columns of the set alone, if a step was taken.
     void settle(SetState& state, int most, bool with_validation) const;
 
     /// Up to `most` steps of a set from a point, at scales that are held.
@@ -93,9 +93,13 @@ public:
     double calcPriorSquare(const Eigen::VectorXd& estimate, const HypothesisSet& set) const;
 
 private:
+    /// Whether a step was worth it, and whether the next may be: where the quadratic fails, small gains follow small
+    /// ones for as long as they are taken.
+    enum class Step { none, last, onwards };
+
     BlockScales settleScales(const Information& all, const HypothesisSet& set) const;
-    bool improve(SetState& state, bool with_validation, double damping) const;
-    bool advance(const TestView& view, const Information& all, const HypothesisSet& set, const BlockScales& scales,
+    Step improve(SetState& state, bool with_validation, double damping) const;
+    Step advance(const TestView& view, const Information& all, const HypothesisSet& set, const BlockScales& scales,
                  double least, bool with_validation, double first_damping, TestPoint& point) const;
 
     const TestProblem& problem_;
