@@ -10,6 +10,7 @@ namespace wems::identify::updating {
 
 HypothesisList::HypothesisList(const UnknownTable& table, const MountModel& model) : table_(table), model_(model) {
     catalogue_.columns.table = &table;
+    catalogue_.columns.rows = table.size();
 }
 
 std::string HypothesisList::placeOf(ConnectionAxis axis) const {

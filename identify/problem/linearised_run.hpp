@@ -35,11 +35,12 @@ struct LoadHat {
 /// Columns of an Information: the table's rows, then probes, then hats.
 struct ColumnSet {
     const UnknownTable* table = nullptr;
+    std::size_t rows = 0;  ///< of the table
     std::vector<Probe> probes;
     std::vector<LoadHat> hats;
     std::vector<char> wanted;  ///< columns that are formed; empty: all. The others say nothing.
     bool wants(std::size_t column) const { return wanted.empty() || wanted[column] != 0; }
-    Eigen::Index size() const { return static_cast<Eigen::Index>(table->size() + probes.size() + hats.size()); }
+    Eigen::Index size() const { return static_cast<Eigen::Index>(rows + probes.size() + hats.size()); }
 };
 
 struct LinearisedRun {

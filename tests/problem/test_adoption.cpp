@@ -1,6 +1,7 @@
 // What a hypothesis sets far from the believed numbers: taken with it, and given back.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <memory>
 #include <random>
 
 #include "identify/updating/naming.hpp"
@@ -157,6 +158,34 @@ TEST_CASE("A stop is sought from as near as its probe, and what a set does not m
         CHECK(problem.reduce(*far, {}).values == problem.believedPoint().values);
     }
     CHECK(probed > 0);
+}
+
+TEST_CASE("A copy of a problem outlives it, and what is adopted there stays there", "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    auto problem = std::make_unique<TestProblem>(makeProblem(random));
+    problem->seekMissingMode(problem->believedPoint(), {});
+    TestProblem copy = *problem;
+    CHECK(&copy.runs() == &problem->runs());
+    const std::vector<double> before = listBelieved(*problem);
+    const auto& all = problem->hypotheses();
+    const auto sought = std::find_if(all.begin(), all.end(), [&](const Hypothesis& own) {
+        return std::any_of(own.start.begin(), own.start.end(), [&](const auto& number) {
+            return before[number.first] != number.second && !own.tangent.empty();
+        });
+    });
+    REQUIRE(sought != all.end());
+    copy.adopt({static_cast<int>(sought - all.begin())});
+    copy.assume(Numbers::within_tolerances);
+    CHECK(listBelieved(copy) != before);
+    CHECK(listBelieved(*problem) == before);
+    CHECK(problem->numbers() == Numbers::exact);
+    const Information own = problem->view(problem->believedPoint(), HypothesisSet{}).identification;
+    copy = *problem;
+    problem.reset();
+    const Information others = copy.view(copy.believedPoint(), HypothesisSet{}).identification;
+    for (std::size_t k = 0; k < kBlocks; ++k) CHECK(others[k].chi_squared == own[k].chi_squared);
 }
 
 }  // namespace wems::identify::updating
