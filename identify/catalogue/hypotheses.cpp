@@ -202,6 +202,7 @@ Catalogue makeCatalogue(const UnknownTable& table, const SensorLayout& layout, c
 
 std::string findSeparatingRun(const std::string& named, const std::string& rival) {
     const auto involves = [&](const char* cause) { return named == cause || rival == cause; };
+    if (named == rival) return "a load off the centre, or more axes recorded: the places have to move differently";
     if (involves("preload"))
         return "a run with gravity along the axis, or turned by 180°: the offset moves with the load, a stop does not";
     if (involves("mass") || involves("load")) return "weigh the mobile part, or measure a force";

@@ -7,6 +7,7 @@
 
 #include "identify/updating/naming.hpp"
 #include "identify/updating/number_naming.hpp"
+#include "identify/updating/tolerant_search.hpp"
 
 namespace wems::identify::updating {
 namespace {
@@ -20,8 +21,6 @@ static_assert(kMostRounds > static_cast<int>(kMostCauses), "a cause each round, 
 constexpr std::size_t kMostExact = 2;
 constexpr std::size_t kShown = 8;  // candidates of a round that its record keeps
 constexpr int kMostSettling = 16;  // Gauss–Newton steps
-constexpr std::size_t kTried = 8;  // sets of a round that are judged where they lead
-constexpr int kMostAttempts = 3;   // of those, sets that are settled and simulated
 
 class Selector {
 public:
@@ -30,7 +29,8 @@ public:
           judge_(judge),
           progress_(progress),
           settler_(problem),
-          settled_(problem, settler_, judge_) {}
+          settled_(problem, settler_, judge_),
+          tolerant_(problem, settler_, judge_, progress_) {}
 
     Selection run() {
         tell("equations of motion");
@@ -62,13 +62,6 @@ public:
     }
 
 private:
-    /// A set, where its estimate leads, and what the equations really say there.
-    struct Trial {
-        HypothesisSet set;
-        TestPoint point;
-        double log_evidence = 0;  ///< of the quadratic, less half of what the misfit exceeds the quadratic's by
-    };
-
     /// Of the identification runs. Where exact numbers answer, intervals allow each its tolerance all the same: that
     /// they were exact is not known.
     Posterior calcPosterior() {
@@ -98,44 +91,20 @@ private:
         state_.view = problem_.view(state_.point);
         const std::vector<double> misfits = calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point));
         state_.scales = settler_.scalesOf(misfits);
-        excess_ = excessOf(misfits);
-        noise_alone_ = isNoiseAlone(sumOf(state_.view, true), misfits);
         const Evidence evidence = ownEvidence();
         // One cause more at a time: the next one is sought about a state that has this one.
         const std::size_t largest = std::min(kMostCauses, state_.set.size() + 1);
         const std::vector<RankedSet> candidates = evidence.search({state_.set}, kBeam, largest);
         Decision decision = record(evidence);
-        if (problem_.numbers() == Numbers::exact) {
-            result_.asks_for_more = !problem_.exactlyKnown() && asksForMore(evidence, candidates);
-            if (result_.asks_for_more) {
-                decision.action = "exact numbers ask for more causes";
-                return conclude(decision, false);
-            }
-            const bool changed = settled_.takeBest(evidence, candidates, standing_, decision.action);
-            return conclude(decision, changed);
-        }
-        if (!isHopeful(evidence, candidates)) {
-            decision.action = "no cause takes half of what the equations leave";
+        const bool exact = problem_.numbers() == Numbers::exact;
+        result_.asks_for_more =
+            exact && !problem_.exactlyKnown() && asksForMore(evidence, candidates, isSatisfied(misfits));
+        if (result_.asks_for_more) {
+            decision.action = "exact numbers ask for more causes";
             return conclude(decision, false);
         }
-        std::vector<Trial> trials = tryBest(evidence, candidates);
-        const double present = trials.front().log_evidence;
-        std::sort(trials.begin(), trials.end(),
-                  [](const Trial& a, const Trial& b) { return a.log_evidence > b.log_evidence; });
-        int attempts = 0;
-        bool changed = false;
-        std::vector<RankedSet> ranked;
-        for (Trial& trial : trials) {
-            // A set that was judged and found wanting is no alternative.
-            bool stands = true;
-            if (!changed && trial.set != state_.set && trial.log_evidence > present) {
-                stands = ++attempts <= kMostAttempts && accept(trial);
-                changed = stands;
-            }
-            if (stands) ranked.push_back({trial.set, trial.log_evidence});
-        }
-        standing_.ranked = std::move(ranked);
-        decision.action = changed ? "causes changed" : "nothing more to add, take away or exchange";
+        const bool changed = exact ? settled_.takeBest(evidence, candidates, standing_, decision.action)
+                                   : tolerant_.takeBest(evidence, candidates, standing_, decision.action);
         return conclude(decision, changed);
     }
 
@@ -147,8 +116,7 @@ private:
     }
 
     /// Whether what exact numbers leave is rather the tolerances' than that of one cause more.
-    bool asksForMore(const Evidence& evidence, const std::vector<RankedSet>& candidates) {
-        const bool satisfied = excess_ < kSatisfied - 1;
+    bool asksForMore(const Evidence& evidence, const std::vector<RankedSet>& candidates, bool satisfied) {
         if (state_.set.size() >= kMostExact) return !satisfied || settled_.findsMore(evidence, candidates, standing_);
         if (satisfied || state_.set.empty()) return false;
         // One set of equations, and both answers by the quadratic about the same state.
@@ -158,64 +126,6 @@ private:
         const double tolerant = ownEvidence().calcLogEvidence(state_.set);
         problem_.assume(Numbers::exact);
         return tolerant > most + kUnlikely;
-    }
-
-    /// Whether some set would leave at most half of what exceeds the noise, by the quadratic, or that is little anyway.
-    bool isHopeful(const Evidence& evidence, const std::vector<RankedSet>& candidates) const {
-        const Information all = sumOf(state_.view, true);
-        if (excess_ < kSatisfied - 1) return true;
-        int seen = 0;
-        for (const RankedSet& entry : candidates) {
-            if (++seen > static_cast<int>(kTried)) break;
-            if (excessOf(calcMisfits(all, evidence.solve(entry.members).mean)) < 0.5 * excess_) return true;
-        }
-        return false;
-    }
-
-    /// Beyond the noise, of the block that leaves most.
-    static double excessOf(const std::vector<double>& misfits) {
-        return *std::max_element(misfits.begin(), misfits.end()) - 1;
-    }
-
-    /// Whether equations that leave more than noise leave half of what exceeds it with a set.
-    bool isNeeded(const SetState& next) const {
-        return !noise_alone_ &&
-               excessOf(calcMisfits(sumOf(next.view, true), problem_.estimateOf(next.point))) < 0.5 * excess_;
-    }
-
-    /// Settles a set and takes it if what it adds lies beyond its tolerance and serves the prediction or the equations.
-    bool accept(const Trial& trial) {
-        const TestProblem::Memento before = problem_.adopt(trial.set);
-        SetState next;
-        next.set = trial.set;
-        // Rows count from new believed values and columns are others now.
-        next.point = problem_.pointAt(problem_.estimateOf(trial.point), next.set);
-        next.view = problem_.view(next.point, next.set);
-        settler_.settle(next, kMostRefining, true);
-        const FreeError judged = judge_(next.point, next.set);
-        if (!isWorthwhile(next, judged)) {
-            problem_.restore(before);
-            return false;
-        }
-        if (isNeeded(next))
-            for (const int h : next.set)
-                if (!std::binary_search(state_.set.begin(), state_.set.end(), h)) needed_.push_back(h);
-        state_ = std::move(next);
-        standing_.judged = judged;
-        return true;
-    }
-
-    bool isWorthwhile(const SetState& next, const FreeError& judged) const {
-        if (!isPossible(problem_, next.set, problem_.estimateOf(next.point))) return false;
-        bool must_improve = false;
-        const bool needed = isNeeded(next);
-        for (const int h : next.set) {
-            if (std::binary_search(state_.set.begin(), state_.set.end(), h)) continue;
-            if (!isBeyondTolerance(problem_, at(h), next.point)) return false;
-            must_improve = must_improve || (!needed && !isSensorFault(at(h)));
-        }
-        return must_improve ? isImproved(standing_.judged, judged)
-                            : judged.error <= (1 + kWorth) * standing_.judged.error;
     }
 
     /// Whether a cause stays, by the prediction without it. Where the equations leave more than noise, something else
@@ -228,12 +138,13 @@ private:
 
     /// Causes of earlier rounds without which the prediction is as good by now.
     void dropWorthless() {
+        const std::vector<int>& needed = tolerant_.needed();
         for (bool changed = true; changed;) {
             changed = false;
             const Evidence evidence = ownEvidence();
             for (const int h : state_.set) {
                 if (isSensorFault(at(h)) || result_.beyond.count(h) > 0 ||
-                    std::find(needed_.begin(), needed_.end(), h) != needed_.end() ||
+                    std::find(needed.begin(), needed.end(), h) != needed.end() ||
                     isWorthKeeping(judge_(holdBack(problem_, state_, h, evidence), state_.set)))
                     continue;
                 state_.set.erase(std::find(state_.set.begin(), state_.set.end(), h));
@@ -246,62 +157,6 @@ private:
                 break;
             }
         }
-    }
-
-    /// The present set, then the best few by the quadratic, each judged where its estimate lies: laws and sensors are
-    /// not of first order.
-    std::vector<Trial> tryBest(const Evidence& evidence, const std::vector<RankedSet>& ranked) {
-        const Eigen::VectorXd present = problem_.estimateOf(state_.point);
-        std::vector<Trial> trials{{state_.set, state_.point, evidence.calcLogEvidence(state_.set)}};
-        std::vector<std::string> known{signatureOf(problem_, state_.set)};
-        const SetSolution settled = evidence.solve(state_.set);
-        // The present point is near the quadratic's estimate of its set: a trial differs from it as the estimates do.
-        const Eigen::VectorXd shift = present - settled.mean;
-        for (const RankedSet& entry : ranked) {
-            if (trials.size() > kTried) break;
-            const std::string signature = signatureOf(problem_, entry.members);
-            if (std::find(known.begin(), known.end(), signature) != known.end()) continue;
-            const SetSolution solution = evidence.solve(entry.members);
-            const Eigen::VectorXd target = solution.mean + shift;
-            if (!isWanted(entry.members, target)) continue;
-            known.push_back(signature);
-            const double best = std::max_element(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) {
-                                    return a.log_evidence < b.log_evidence;
-                                })->log_evidence;
-            Trial trial{entry.members, problem_.pointAt(target, entry.members), entry.log_evidence};
-            const double excess = settler_.calcExcess(state_.view, trial.point, target, state_.scales, true);
-            trial.log_evidence -= 0.5 * std::max(0.0, excess);
-            if (entry.log_evidence > best && trial.log_evidence < best) {
-                const double here = evidence.calcChange(present) + settler_.calcPriorSquare(present, state_.set);
-                const double gained = here - refine(trial, evidence);
-                trial.log_evidence = std::max(
-                    trial.log_evidence, std::min(entry.log_evidence, trials.front().log_evidence + solution.occam -
-                                                                         settled.occam + 0.5 * gained));
-            }
-            trials.push_back(std::move(trial));
-            if (entry.log_evidence < trials.front().log_evidence - kUnlikely) break;
-        }
-        return trials;
-    }
-
-    /// Mechanisms with the sign that they can have, numbers beyond their tolerance.
-    bool isWanted(const HypothesisSet& set, const Eigen::VectorXd& estimate) const {
-        if (!isPossible(problem_, set, estimate)) return false;
-        const TestPoint point = problem_.pointAt(estimate, set);
-        return std::all_of(set.begin(), set.end(), [&](int h) { return isBeyondTolerance(problem_, at(h), point); });
-    }
-
-    /// Gauss–Newton steps of a trial that is not of first order.
-    /// @return −2 log of likelihood and prior where they lead, as the present view has it
-    double refine(Trial& trial, const Evidence& evidence) {
-        const TestProblem::Memento before = problem_.adopt(trial.set);
-        TestPoint point = settler_.refine(trial.point, trial.set, state_.scales, kMostRefining);
-        const double prior = settler_.calcPriorSquare(problem_.estimateOf(point), trial.set);
-        problem_.restore(before);
-        const Eigen::VectorXd estimate = problem_.estimateOf(point);
-        trial.point = std::move(point);
-        return evidence.calcChange(estimate) + prior +
-               settler_.calcExcess(state_.view, trial.point, estimate, state_.scales, true);
     }
 
     /// What the round began with, and its candidates.
@@ -327,11 +182,9 @@ private:
     const ProgressListener& progress_;
     Settler settler_;
     SettledSearch settled_;
+    TolerantSearch tolerant_;
     Standing standing_;
     SetState& state_ = standing_.state;
-    double excess_ = 0;         // of the equations at the present state, beyond the noise
-    bool noise_alone_ = false;  // whether it is none
-    std::vector<int> needed_;   // causes without which the equations leave twice as much
     Selection result_;
 };
 

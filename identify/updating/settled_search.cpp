@@ -119,8 +119,8 @@ TestPoint SettledSearch::findStart(const Settled& present, const HypothesisSet& 
     TestPoint led = problem_.pointAt(target, set), stay = problem_.reduce(present.state.point, set);
     const double here = stay.values == present.state.point.values
                             ? settler_.calcCost(sumOf(present.state.view, true), present.misfits)
-                            : calcCostAt(stay);
-    return calcCostAt(led) < here ? led : stay;
+                            : settler_.calcCostAt(stay);
+    return settler_.calcCostAt(led) < here ? led : stay;
 }
 
 /// Adopts a set and settles it: from the best start, and from as far as a probe was. A stop that is not reached has no
@@ -148,7 +148,7 @@ SettledSearch::Settled SettledSearch::settleFurther(const Settled& begun, const 
     // Sets share numbers: where another one led may be nearer.
     TestPoint shared = problem_.reduce(best.state.point, state.set);
     if (best.state.set != present.state.set &&
-        calcCostAt(shared) < settler_.calcCost(sumOf(state.view, true), begun.misfits)) {
+        settler_.calcCostAt(shared) < settler_.calcCost(sumOf(state.view, true), begun.misfits)) {
         state.point = std::move(shared);
         state.view = problem_.view(state.point, state.set);
     }
@@ -169,23 +169,11 @@ SettledSearch::Settled SettledSearch::settleFurther(const Settled& begun, const 
     return other.log_evidence > own.log_evidence ? other : own;
 }
 
-double SettledSearch::calcCostAt(const TestPoint& point) const {
-    const TestMisfit misfit = problem_.misfit(point);
-    Information all = misfit.identification;
-    add(all, misfit.validation);
-    std::vector<double> misfits;
-    for (const BlockInformation& block : all) misfits.push_back(block.empty() ? 0 : block.chi_squared / block.count);
-    return settler_.calcCost(all, misfits);
-}
-
-/// Evidence with a discrepancy whose size is not known: log likelihood, prior and Occam factor at the settled point.
 SettledSearch::Settled SettledSearch::assess(SetState state) const {
     const Information all = sumOf(state.view, true);
     const Eigen::VectorXd estimate = problem_.estimateOf(state.point);
-    Settled own{std::move(state), calcMisfits(all, estimate), calcScatter(all), 0};
-    own.log_evidence = SetEvidence(problem_, all, own.state.scales, own.state.set).solve().occam -
-                       0.5 * (settler_.calcCost(all, own.misfits) + settler_.calcPriorSquare(estimate, own.state.set));
-    return own;
+    const double log_evidence = settler_.calcLogEvidence(state);
+    return {std::move(state), calcMisfits(all, estimate), calcScatter(all), log_evidence};
 }
 
 bool SettledSearch::isPossibleAnswer(const HypothesisSet& set, const TestPoint& point) const {

@@ -67,7 +67,6 @@ private:
     TestPoint findStart(const Settled& present, const HypothesisSet& set, const Eigen::VectorXd& target) const;
     /// Of a set that is adopted. @param best of those that were settled so far
     Settled settleFurther(const Settled& begun, const Settled& present, const Settled& best);
-    double calcCostAt(const TestPoint& point) const;
     Settled assess(SetState state) const;
     bool isPossibleAnswer(const HypothesisSet& set, const TestPoint& point) const;
     bool mayBeTried(const HypothesisSet& set, const Standing& standing) const;

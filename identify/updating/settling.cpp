@@ -114,6 +114,10 @@ std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& e
     return misfits;
 }
 
+double calcExcessOf(const std::vector<double>& misfits) {
+    return *std::max_element(misfits.begin(), misfits.end()) - 1;
+}
+
 std::vector<double> calcScatter(const Information& all) {
     std::vector<double> scatter;
     for (const BlockInformation& block : all) scatter.push_back(block.empty() ? 0 : std::sqrt(2 / block.count));
@@ -277,6 +281,22 @@ TestPoint Settler::refine(TestPoint point, const HypothesisSet& set, const Block
         if (advance(view, sumOf(view, true), set, scales, 2 * kSettled, true, 0, point) != Step::onwards) break;
     }
     return point;
+}
+
+double Settler::calcCostAt(const TestPoint& point) const {
+    const TestMisfit misfit = problem_.misfit(point);
+    Information all = misfit.identification;
+    add(all, misfit.validation);
+    std::vector<double> misfits;
+    for (const BlockInformation& block : all) misfits.push_back(block.empty() ? 0 : block.chi_squared / block.count);
+    return calcCost(all, misfits);
+}
+
+double Settler::calcLogEvidence(const SetState& state) const {
+    const Information all = sumOf(state.view, true);
+    const Eigen::VectorXd estimate = problem_.estimateOf(state.point);
+    return SetEvidence(problem_, all, state.scales, state.set).solve().occam -
+           0.5 * (calcCost(all, calcMisfits(all, estimate)) + calcPriorSquare(estimate, state.set));
 }
 
 double Settler::calcPriorSquare(const Eigen::VectorXd& estimate, const HypothesisSet& set) const {

@@ -56,6 +56,9 @@ Information sumOf(const TestView& view, bool with_validation);
 /// Misfit of each block at an estimate.
 std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& estimate);
 
+/// Beyond the noise, of the block that leaves most.
+double calcExcessOf(const std::vector<double>& misfits);
+
 /// Standard deviations of a misfit: less is noise, which any number may halve.
 inline constexpr double kBeyondNoise = 1.96;
 /// Standard deviation of each block's misfit if the model is perfect.
@@ -88,6 +91,13 @@ public:
 
     /// −2 log likelihood of blocks whose scale is not known but follows from their misfit: the integral of dχ² / scale.
     double calcCost(const Information& all, const std::vector<double>& misfits) const;
+
+    /// The same of all runs at a point.
+    double calcCostAt(const TestPoint& point) const;
+
+    /// Of a settled set, with a discrepancy whose size is not known: log likelihood of all runs, prior and Occam
+    /// factor.
+    double calcLogEvidence(const SetState& state) const;
 
     /// −2 log prior of an estimate under a set, but for a constant.
     double calcPriorSquare(const Eigen::VectorXd& estimate, const HypothesisSet& set) const;

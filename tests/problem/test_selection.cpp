@@ -85,6 +85,56 @@ TEST_CASE("A mechanism that halves what the equations leave is a cause though th
     CHECK(none.empty());
 }
 
+TEST_CASE("Places that move alike share the probability of a mechanism", "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    MountModel believed;
+    believed.body.mass = 6;
+    believed.body.inertia = Eigen::Vector3d(0.05, 0.05, 0.05).asDiagonal();
+    believed.body.free = {false, false, true, false, false, false};
+    believed.load_point = LoadPoint{Part::mobile, Eigen::Vector3d::Zero()};
+    for (const double x : {-0.1, 0.1}) {
+        Connection connection;
+        connection.name = x < 0 ? "1" : "2";
+        connection.position = {x, 0, 0};
+        connection.axis[2].stiffness = 7e4;
+        connection.axis[2].damping = 30;
+        believed.connections.push_back(connection);
+    }
+    MountModel truth = believed;
+    const std::size_t hidden = std::uniform_int_distribution<std::size_t>(0, 1)(random);
+    const double ratio = std::uniform_real_distribution<double>(0.2, 0.4)(random);
+    truth.connections[hidden].axis[2].relaxation = {{ratio, 0.02}};
+    TestProblem problem({recordIt(truth, random)}, {}, believed);
+    const Selection selection = selectCauses(problem, predictLittle, {});
+    const std::vector<std::string> causes = listCauses(problem, selection);
+    CAPTURE(hidden, ratio, causes);
+    REQUIRE(causes.size() == 1);
+    CHECK(causes.front().rfind("relaxation", 0) == 0);
+    // The recording holds the sum of both forces alone.
+    struct Single {
+        double log_evidence = 0, ratio = 0;
+    };
+    const auto find = [&](const std::string& place) {
+        const auto found = std::find_if(selection.ranked.begin(), selection.ranked.end(), [&](const RankedSet& entry) {
+            return entry.members.size() == 1 &&
+                   describe(problem.hypotheses()[entry.members.front()]) == "relaxation " + place;
+        });
+        CAPTURE(place);
+        REQUIRE(found != selection.ranked.end());
+        const bool taken = found->members == selection.state.set;
+        const TestPoint& point = taken ? selection.state.point : selection.settled.at(found->members);
+        const int row = findUnknown(problem.table(), place + ".stiffness_ratio");
+        return Single{found->log_evidence, point.values[row]};
+    };
+    const Single left = find("1.z"), right = find("2.z");
+    CHECK(left.log_evidence == Approx(right.log_evidence).margin(0.5));
+    // The ratio moves with the stiffness, which has its tolerance.
+    CHECK(left.ratio == Approx(ratio).epsilon(0.5));
+    CHECK(right.ratio == Approx(ratio).epsilon(0.5));
+}
+
 TEST_CASE("Intervals of the identification runs do not know what the validation runs leave", "[updating]") {
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);

@@ -1,0 +1,211 @@
+#include "identify/updating/tolerant_search.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "identify/updating/naming.hpp"
+
+namespace wems::identify::updating {
+namespace {
+
+constexpr int kMostAttempts = 3;  // sets of a round that are settled, for time
+
+void sortByEvidence(std::vector<RankedSet>& ranked) {
+    std::sort(ranked.begin(), ranked.end(),
+              [](const RankedSet& a, const RankedSet& b) { return a.log_evidence > b.log_evidence; });
+}
+
+/// Rivals of the present set from the round that took it: about a state that has it, they are far from what they would
+/// be by themselves.
+void keepRivals(const Standing& standing, std::vector<RankedSet>& ranked) {
+    const auto find = [](const std::vector<RankedSet>& sets, const HypothesisSet& members) {
+        return std::find_if(sets.begin(), sets.end(), [&](const RankedSet& own) { return own.members == members; });
+    };
+    const HypothesisSet& present = standing.state.set;
+    const auto taken = find(standing.ranked, present), now = find(ranked, present);
+    if (taken == standing.ranked.end() || now == ranked.end()) return;
+    const double shift = now->log_evidence - taken->log_evidence;
+    std::vector<RankedSet> rivals;
+    for (const RankedSet& earlier : standing.ranked)
+        if (earlier.members.size() == present.size() && find(ranked, earlier.members) == ranked.end())
+            rivals.push_back({earlier.members, earlier.log_evidence + shift});
+    ranked.insert(ranked.end(), rivals.begin(), rivals.end());
+}
+
+}  // namespace
+
+TolerantSearch::TolerantSearch(TestProblem& problem, const Settler& settler, const FreeJudge& judge,
+                               const ProgressListener& progress)
+    : problem_(problem), settler_(settler), judge_(judge), progress_(progress) {}
+
+bool TolerantSearch::takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
+                              std::string& action) {
+    const SetState& present = standing.state;
+    const Information all = sumOf(present.view, true);
+    const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(present.point));
+    excess_ = calcExcessOf(misfits);
+    noise_alone_ = isNoiseAlone(all, misfits);
+    if (!isHopeful(evidence, candidates, present)) {
+        action = "no cause takes half of what the equations leave";
+        return false;
+    }
+    std::vector<Trial> trials = tryBest(problem_, settler_, present, evidence, candidates);
+    int attempts = kMostAttempts;
+    std::optional<Attempt> best = findServing(trials, standing, attempts);
+    std::vector<RankedSet> ranked;
+    if (best)
+        ranked = weighRivals(*best, trials, standing, attempts);
+    else
+        for (const Trial& trial : trials) ranked.push_back({trial.set, trial.log_evidence});
+    for (Trial& trial : trials)
+        if (trial.set != present.set) standing.settled.insert_or_assign(trial.set, std::move(trial.point));
+    const bool changed = best.has_value();
+    if (changed)
+        take(std::move(*best), standing);
+    else
+        keepRivals(standing, ranked);
+    sortByEvidence(ranked);
+    standing.ranked = std::move(ranked);
+    action = changed ? "causes changed" : "nothing more to add, take away or exchange";
+    return changed;
+}
+
+/// Whether some set would leave at most half of what exceeds the noise, by the quadratic, or that is little anyway.
+bool TolerantSearch::isHopeful(const Evidence& evidence, const std::vector<RankedSet>& candidates,
+                               const SetState& present) const {
+    if (excess_ < kSatisfied - 1) return true;
+    const Information all = sumOf(present.view, true);
+    const auto last = candidates.begin() + static_cast<long>(std::min(kTried, candidates.size()));
+    return std::any_of(candidates.begin(), last, [&](const RankedSet& entry) {
+        return calcExcessOf(calcMisfits(all, evidence.solve(entry.members).mean)) < 0.5 * excess_;
+    });
+}
+
+/// The likeliest set that is more so than the present one and serves.
+/// @param[in,out] trials the present set first; then by their evidence, without those that were found wanting
+/// @param[in,out] attempts how many sets may be settled
+std::optional<TolerantSearch::Attempt> TolerantSearch::findServing(std::vector<Trial>& trials, const Standing& standing,
+                                                                   int& attempts) {
+    const double present = trials.front().log_evidence;
+    std::sort(trials.begin(), trials.end(),
+              [](const Trial& a, const Trial& b) { return a.log_evidence > b.log_evidence; });
+    std::optional<Attempt> best;
+    std::vector<Trial> left;
+    for (Trial& trial : trials) {
+        if (!best && trial.log_evidence > present) {
+            if (attempts == 0) continue;
+            --attempts;
+            Attempt attempt = settle(trial);
+            if (!serves(attempt, standing)) continue;
+            best = std::move(attempt);
+        }
+        left.push_back(std::move(trial));
+    }
+    trials = std::move(left);
+    return best;
+}
+
+/// What the present state leaves hides what tells the best set from its rivals: as many as time allows are settled too,
+/// first those of other causes. A place that was not settled may gain what another one of its cause did.
+/// @param[in,out] best the likeliest one that serves
+/// @param[in,out] trials the one of `best` first
+std::vector<RankedSet> TolerantSearch::weighRivals(Attempt& best, std::vector<Trial>& trials, const Standing& standing,
+                                                   int attempts) {
+    const HypothesisSet& present = standing.state.set;
+    const double most = trials.front().log_evidence, shift = best.log_evidence - most;
+    std::map<std::string, double> shifts{{nameCauses(best.state.set), shift}};
+    std::map<HypothesisSet, double> settled{{best.state.set, best.log_evidence}};
+    for (const bool other_causes : {true, false})
+        for (Trial& trial : trials) {
+            const std::string causes = nameCauses(trial.set);
+            if (attempts == 0 || trial.log_evidence < most - kUnlikely) break;
+            if (trial.set == present || settled.count(trial.set) > 0) continue;
+            if (other_causes && shifts.count(causes) > 0) continue;
+            --attempts;
+            tell("rival");
+            Attempt rival = settle(trial);
+            settled[trial.set] = rival.log_evidence;
+            double& gained = shifts.emplace(causes, rival.log_evidence - trial.log_evidence).first->second;
+            gained = std::max(gained, rival.log_evidence - trial.log_evidence);
+            trial.point = rival.state.point;
+            if (rival.log_evidence > best.log_evidence && serves(rival, standing)) best = std::move(rival);
+        }
+    std::vector<RankedSet> ranked{{present, settler_.calcLogEvidence(standing.state)}};
+    for (const Trial& trial : trials) {
+        if (trial.set == present) continue;
+        const auto own = settled.find(trial.set);
+        const auto alike = shifts.find(nameCauses(trial.set));
+        ranked.push_back({trial.set, own != settled.end()
+                                         ? own->second
+                                         : trial.log_evidence + (alike != shifts.end() ? alike->second : shift)});
+    }
+    return ranked;
+}
+
+void TolerantSearch::take(Attempt best, Standing& standing) {
+    problem_.adopt(best.state.set);
+    const HypothesisSet& before = standing.state.set;
+    if (best.needed)
+        for (const int h : best.state.set)
+            if (!std::binary_search(before.begin(), before.end(), h)) needed_.push_back(h);
+    standing.state = std::move(best.state);
+    standing.judged = best.judged;
+}
+
+TolerantSearch::Attempt TolerantSearch::settle(const Trial& trial) {
+    const TestProblem::Memento before = problem_.adopt(trial.set);
+    Attempt attempt;
+    SetState& next = attempt.state;
+    next.set = trial.set;
+    // Rows count from new believed values and columns are others now.
+    next.point = problem_.pointAt(problem_.estimateOf(trial.point), next.set);
+    next.view = problem_.view(next.point, next.set);
+    settler_.settle(next, kMostRefining, true);
+    attempt.needed = isNeeded(next);
+    attempt.log_evidence = settler_.calcLogEvidence(next);
+    problem_.restore(before);
+    return attempt;
+}
+
+/// Whether what a settled set adds lies beyond its tolerance and serves the prediction or the equations.
+bool TolerantSearch::serves(Attempt& attempt, const Standing& standing) {
+    const TestProblem::Memento before = problem_.adopt(attempt.state.set);
+    attempt.judged = judge_(attempt.state.point, attempt.state.set);
+    const bool worthwhile = isWorthwhile(attempt, standing);
+    problem_.restore(before);
+    return worthwhile;
+}
+
+bool TolerantSearch::isWorthwhile(const Attempt& attempt, const Standing& standing) const {
+    const SetState& next = attempt.state;
+    const HypothesisSet& present = standing.state.set;
+    if (!isPossible(problem_, next.set, problem_.estimateOf(next.point))) return false;
+    bool must_improve = false;
+    for (const int h : next.set) {
+        if (std::binary_search(present.begin(), present.end(), h)) continue;
+        const Hypothesis& hypothesis = problem_.hypotheses()[h];
+        if (!isBeyondTolerance(problem_, hypothesis, next.point)) return false;
+        must_improve = must_improve || (!attempt.needed && !isSensorFault(hypothesis));
+    }
+    return must_improve ? isImproved(standing.judged, attempt.judged)
+                        : attempt.judged.error <= (1 + kWorth) * standing.judged.error;
+}
+
+/// Whether equations that leave more than noise leave half of what exceeds it with a set.
+bool TolerantSearch::isNeeded(const SetState& next) const {
+    return !noise_alone_ &&
+           calcExcessOf(calcMisfits(sumOf(next.view, true), problem_.estimateOf(next.point))) < 0.5 * excess_;
+}
+
+std::string TolerantSearch::nameCauses(const HypothesisSet& set) const {
+    std::string names;
+    for (const int h : set) names += problem_.hypotheses()[h].cause + " ";
+    return names;
+}
+
+void TolerantSearch::tell(const std::string& text) const {
+    if (progress_) progress_({text});
+}
+
+}  // namespace wems::identify::updating

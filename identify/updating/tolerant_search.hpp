@@ -1,0 +1,61 @@
+/// @file
+/// A round of the search where all numbers have tolerances: the best few sets are judged where their estimates lead,
+/// the likeliest that serves is taken, and its rivals are weighed where their own steps end.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identify/updating/settled_search.hpp"
+#include "identify/updating/trials.hpp"
+#include "identify/verdict/diagnosis.hpp"
+
+namespace wems::identify::updating {
+
+class TolerantSearch {
+public:
+    TolerantSearch(TestProblem& problem, const Settler& settler, const FreeJudge& judge,
+                   const ProgressListener& progress);
+
+    /// Moves to the likeliest set that serves the prediction or the equations.
+    /// @param evidence of the view at the present state, with the columns of all hypotheses
+    /// @param[out] action what was done, one sentence
+    /// @return whether the set changed
+    bool takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
+                  std::string& action);
+
+    /// Causes without which the equations left twice as much when they were taken.
+    const std::vector<int>& needed() const { return needed_; }
+
+private:
+    /// A set that was settled, and its prediction.
+    struct Attempt {
+        SetState state;
+        FreeError judged;
+        bool needed = false;      ///< the equations leave twice as much without it
+        double log_evidence = 0;  ///< with a discrepancy whose size is not known
+    };
+
+    void tell(const std::string& text) const;
+    bool isHopeful(const Evidence& evidence, const std::vector<RankedSet>& candidates, const SetState& present) const;
+    std::optional<Attempt> findServing(std::vector<Trial>& trials, const Standing& standing, int& attempts);
+    std::vector<RankedSet> weighRivals(Attempt& best, std::vector<Trial>& trials, const Standing& standing,
+                                       int attempts);
+    void take(Attempt best, Standing& standing);
+    Attempt settle(const Trial& trial);
+    bool serves(Attempt& attempt, const Standing& standing);
+    bool isWorthwhile(const Attempt& attempt, const Standing& standing) const;
+    bool isNeeded(const SetState& next) const;
+    std::string nameCauses(const HypothesisSet& set) const;
+
+    TestProblem& problem_;
+    const Settler& settler_;
+    const FreeJudge& judge_;
+    const ProgressListener& progress_;
+    double excess_ = 0;         // of the equations at the round's state, beyond the noise
+    bool noise_alone_ = false;  // whether it is none
+    std::vector<int> needed_;
+};
+
+}  // namespace wems::identify::updating
