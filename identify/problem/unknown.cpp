@@ -88,11 +88,14 @@ private:
             [member](AxisLaw& law, double value) { law.*member = value; }, least);
     }
 
+    /// Stiffness, N/m, by which an axis is scaled.
+    double scaleOf(const AxisLaw& law) const { return law.stiffness > 0 ? law.stiffness : largest_stiffness_; }
+
     void addAxis(int i, int a) {
         const Connection& connection = model_.connections[i];
         const AxisLaw& law = connection.axis[a];
         const Tolerances& own = connection.axis_tolerances[a];
-        const double k = law.stiffness > 0 ? law.stiffness : largest_stiffness_;
+        const double k = scaleOf(law);
         const double q = scales_.displacement, v = scales_.velocity;
         const double force = k * q;
         addNumber(i, a, "stiffness", &AxisLaw::stiffness, "N/m", tolerance(ToleranceOf::stiffness, own) * law.stiffness,
@@ -105,7 +108,11 @@ private:
         addNumber(i, a, "cubic", &AxisLaw::cubic, "N/m^3", 0, kReach * k / (q * q));
         addNumber(i, a, "loss_factor", &AxisLaw::loss_factor, "-", 0, 0.2, 0);
         addNumber(i, a, "drift", &AxisLaw::drift, "1/s", 0, kReach / scales_.duration);
-        addFriction(i, a, 0.2 * force, kTransition * v);
+        // Equal guides rub alike, whatever the elastomers beside them: one size along a direction.
+        double mean = 0;
+        for (const auto& other : model_.connections) mean += scaleOf(other.axis[a]);
+        mean /= static_cast<double>(model_.connections.size());
+        addFriction(i, a, 0.2 * mean * q, kTransition * v);
         addLaw(
             i, a, "stiffness_ratio", "-", 0, 0.5,
             [](const AxisLaw& l) { return l.relaxation ? l.relaxation->stiffness_ratio : 0.0; },
