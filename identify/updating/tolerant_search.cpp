@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "identify/updating/fresh_start.hpp"
 #include "identify/updating/naming.hpp"
 
 namespace wems::identify::updating {
@@ -60,6 +61,7 @@ bool TolerantSearch::takeBest(const Evidence& evidence, const std::vector<Ranked
         for (const Trial& trial : trials) ranked.push_back({trial.set, trial.log_evidence});
     for (Trial& trial : trials)
         if (trial.set != present.set) standing.settled.insert_or_assign(trial.set, std::move(trial.point));
+    weighFreshStarts(best, standing, ranked);
     const bool changed = best.has_value();
     if (changed)
         take(std::move(*best), standing);
@@ -141,6 +143,26 @@ std::vector<RankedSet> TolerantSearch::weighRivals(Attempt& best, std::vector<Tr
                                          : trial.log_evidence + (alike != shifts.end() ? alike->second : shift)});
     }
     return ranked;
+}
+
+/// What begins far from the present state is settled and weighed against the best set, or against the present one.
+void TolerantSearch::weighFreshStarts(std::optional<Attempt>& best, const Standing& standing,
+                                      std::vector<RankedSet>& ranked) {
+    const SetState& reached = best ? best->state : standing.state;
+    const std::vector<Trial> starts = startAfresh(problem_, settler_, standing.state, reached);
+    if (starts.empty()) return;
+    const double present = settler_.calcLogEvidence(standing.state);
+    for (const Trial& start : starts) {
+        tell("rival");
+        Attempt fresh = settle(start);
+        // Without it numbers of its axis lie beyond their tolerances: it is needed though the prediction is as good.
+        fresh.needed = fresh.needed || fresh.log_evidence > present + kUnlikely;
+        const double least = best ? best->log_evidence : present;
+        if (!(fresh.log_evidence > least) || !serves(fresh, standing)) continue;
+        if (!best) ranked = {{standing.state.set, present}};
+        ranked.push_back({start.set, fresh.log_evidence});
+        best = std::move(fresh);
+    }
 }
 
 void TolerantSearch::take(Attempt best, Standing& standing) {

@@ -33,7 +33,7 @@ private:
     struct Attempt {
         SetState state;
         FreeError judged;
-        bool needed = false;      ///< the equations leave twice as much without it
+        bool needed = false;      ///< the equations leave twice as much without it, or numbers beyond their tolerances
         double log_evidence = 0;  ///< with a discrepancy whose size is not known
     };
 
@@ -42,6 +42,7 @@ private:
     std::optional<Attempt> findServing(std::vector<Trial>& trials, const Standing& standing, int& attempts);
     std::vector<RankedSet> weighRivals(Attempt& best, std::vector<Trial>& trials, const Standing& standing,
                                        int attempts);
+    void weighFreshStarts(std::optional<Attempt>& best, const Standing& standing, std::vector<RankedSet>& ranked);
     void take(Attempt best, Standing& standing);
     Attempt settle(const Trial& trial);
     bool serves(Attempt& attempt, const Standing& standing);

@@ -1,0 +1,115 @@
+#include "identify/updating/fresh_start.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "identify/updating/settled_search.hpp"
+
+namespace wems::identify::updating {
+namespace {
+
+using Axis = std::pair<int, int>;  // connection and direction
+
+class FreshStart {
+public:
+    FreshStart(const TestProblem& problem, const Settler& settler, const SetState& present)
+        : problem_(problem), settler_(settler), present_(present) {}
+
+    std::vector<Trial> find(const SetState& best) const {
+        const std::optional<Axis> axis = findStretched(best);
+        if (!axis) return {};
+        const TestPoint relaxed = relax(*axis);
+        double least = settler_.calcCostAt(relaxed);
+        std::vector<std::pair<double, Trial>> begun;
+        for (int h = 0; h < static_cast<int>(problem_.hypotheses().size()); ++h) {
+            if (!isAt(h, *axis)) continue;
+            const auto far = problem_.goToProbes(relaxed, {h});
+            if (!far) continue;
+            Trial trial{present_.set, *far, 0};
+            trial.set.insert(std::lower_bound(trial.set.begin(), trial.set.end(), h), h);
+            const double cost = settler_.calcCostAt(trial.point);
+            if (cost >= least + 2 * kUnlikely) continue;
+            least = std::min(least, cost);
+            begun.emplace_back(cost, std::move(trial));
+        }
+        return pickBest(std::move(begun), least);
+    }
+
+private:
+    /// The best place of each cause, of those that are as good as the best.
+    std::vector<Trial> pickBest(std::vector<std::pair<double, Trial>> begun, double least) const {
+        std::sort(begun.begin(), begun.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+        std::set<std::string> causes;
+        std::vector<Trial> starts;
+        for (auto& [cost, trial] : begun)
+            if (cost < least + 2 * kUnlikely && causes.insert(nameOf(trial)).second) starts.push_back(std::move(trial));
+        return starts;
+    }
+
+    std::string nameOf(const Trial& trial) const {
+        for (const int h : trial.set)
+            if (!std::binary_search(present_.set.begin(), present_.set.end(), h)) return problem_.hypotheses()[h].cause;
+        return {};
+    }
+
+    /// A number of an axis that has its tolerance under a set.
+    std::optional<Axis> axisOf(std::size_t row, const HypothesisSet& set) const {
+        const Unknown& number = problem_.table()[row];
+        if (number.kind != UnknownKind::law || !(number.deviation > 0)) return std::nullopt;
+        for (const int h : set) {
+            const auto& freed = problem_.hypotheses()[h].reported;
+            if (std::find(freed.begin(), freed.end(), static_cast<int>(row)) != freed.end()) return std::nullopt;
+        }
+        return Axis{number.first, number.second};
+    }
+
+    /// The axis whose numbers cost most of the prior, if giving them back may gain what a cause needs. A number within
+    /// its tolerance costs one by expectation.
+    std::optional<Axis> findStretched(const SetState& best) const {
+        const Eigen::VectorXd estimate = problem_.estimateOf(best.point);
+        std::map<Axis, double> squares;
+        for (std::size_t i = 0; i < problem_.table().size(); ++i)
+            if (const auto axis = axisOf(i, best.set)) {
+                const double ratio = estimate[static_cast<Eigen::Index>(i)] / problem_.table()[i].deviation;
+                squares[*axis] += ratio * ratio - 1;
+            }
+        const auto most = std::max_element(squares.begin(), squares.end(),
+                                           [](const auto& a, const auto& b) { return a.second < b.second; });
+        if (most == squares.end() || most->second < 2 * kUnlikely) return std::nullopt;
+        return most->first;
+    }
+
+    TestPoint relax(Axis axis) const {
+        Eigen::VectorXd estimate = problem_.estimateOf(present_.point);
+        for (std::size_t i = 0; i < problem_.table().size(); ++i)
+            if (axisOf(i, present_.set) == axis) estimate[static_cast<Eigen::Index>(i)] = 0;
+        return problem_.pointAt(estimate, present_.set);
+    }
+
+    /// Whether a hypothesis is of one number of the axis, sought at a step from where it is.
+    bool isAt(int hypothesis, Axis axis) const {
+        const Hypothesis& own = problem_.hypotheses()[hypothesis];
+        if (own.moves.empty() || own.reported.size() != 1 ||
+            std::binary_search(present_.set.begin(), present_.set.end(), hypothesis))
+            return false;
+        const Unknown& number = problem_.table()[own.reported.front()];
+        return number.kind == UnknownKind::law && Axis{number.first, number.second} == axis;
+    }
+
+    const TestProblem& problem_;
+    const Settler& settler_;
+    const SetState& present_;
+};
+
+}  // namespace
+
+std::vector<Trial> startAfresh(const TestProblem& problem, const Settler& settler, const SetState& present,
+                               const SetState& best) {
+    return FreshStart(problem, settler, present).find(best);
+}
+
+}  // namespace wems::identify::updating
