@@ -20,13 +20,14 @@ public:
         : problem_(problem), settler_(settler), present_(present) {}
 
     std::vector<Trial> find(const SetState& best) const {
-        const std::optional<Axis> axis = findStretched(best);
-        if (!axis) return {};
-        const TestPoint relaxed = relax(*axis);
+        const std::optional<Stretched> stretched = findStretched(best);
+        if (!stretched) return {};
+        const std::vector<int> candidates = collectCandidates(*stretched);
+        if (candidates.empty()) return {};
+        const TestPoint relaxed = relax(stretched->axis);
         double least = settler_.calcCostAt(relaxed);
         std::vector<std::pair<double, Trial>> begun;
-        for (int h = 0; h < static_cast<int>(problem_.hypotheses().size()); ++h) {
-            if (!isAt(h, *axis)) continue;
+        for (const int h : candidates) {
             const auto far = problem_.goToProbes(relaxed, {h});
             if (!far) continue;
             Trial trial{present_.set, *far, 0};
@@ -40,6 +41,11 @@ public:
     }
 
 private:
+    struct Stretched {
+        Axis axis;
+        double square = 0;  ///< of its numbers in standard deviations, beyond what is expected
+    };
+
     /// The best place of each cause, of those that are as good as the best.
     std::vector<Trial> pickBest(std::vector<std::pair<double, Trial>> begun, double least) const {
         std::sort(begun.begin(), begun.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -67,9 +73,8 @@ private:
         return Axis{number.first, number.second};
     }
 
-    /// The axis whose numbers cost most of the prior, if giving them back may gain what a cause needs. A number within
-    /// its tolerance costs one by expectation.
-    std::optional<Axis> findStretched(const SetState& best) const {
+    /// The axis whose numbers cost most of the prior. A number within its tolerance costs one by expectation.
+    std::optional<Stretched> findStretched(const SetState& best) const {
         const Eigen::VectorXd estimate = problem_.estimateOf(best.point);
         std::map<Axis, double> squares;
         for (std::size_t i = 0; i < problem_.table().size(); ++i)
@@ -79,8 +84,8 @@ private:
             }
         const auto most = std::max_element(squares.begin(), squares.end(),
                                            [](const auto& a, const auto& b) { return a.second < b.second; });
-        if (most == squares.end() || most->second < 2 * kUnlikely) return std::nullopt;
-        return most->first;
+        if (most == squares.end()) return std::nullopt;
+        return Stretched{most->first, most->second};
     }
 
     TestPoint relax(Axis axis) const {
@@ -90,14 +95,21 @@ private:
         return problem_.pointAt(estimate, present_.set);
     }
 
-    /// Whether a hypothesis is of one number of the axis, sought at a step from where it is.
-    bool isAt(int hypothesis, Axis axis) const {
-        const Hypothesis& own = problem_.hypotheses()[hypothesis];
-        if (own.moves.empty() || own.reported.size() != 1 ||
-            std::binary_search(present_.set.begin(), present_.set.end(), hypothesis))
-            return false;
-        const Unknown& number = problem_.table()[own.reported.front()];
-        return number.kind == UnknownKind::law && Axis{number.first, number.second} == axis;
+    /// Hypotheses of one number of the axis, sought at a step from where it is, whose prior odds are outweighed by what
+    /// they may give back.
+    std::vector<int> collectCandidates(const Stretched& stretched) const {
+        std::vector<int> candidates;
+        for (int h = 0; h < static_cast<int>(problem_.hypotheses().size()); ++h) {
+            const Hypothesis& own = problem_.hypotheses()[h];
+            if (own.moves.empty() || own.reported.size() != 1 ||
+                std::binary_search(present_.set.begin(), present_.set.end(), h) ||
+                stretched.square < 2 * (kUnlikely - own.log_prior))
+                continue;
+            const Unknown& number = problem_.table()[own.reported.front()];
+            if (number.kind == UnknownKind::law && Axis{number.first, number.second} == stretched.axis)
+                candidates.push_back(h);
+        }
+        return candidates;
     }
 
     const TestProblem& problem_;
