@@ -88,8 +88,7 @@ private:
             [member](AxisLaw& law, double value) { law.*member = value; }, least);
     }
 
-    /// Stiffness, N/m, by which an axis is scaled.
-    double scaleOf(const AxisLaw& law) const { return law.stiffness > 0 ? law.stiffness : largest_stiffness_; }
+    double scaleOf(const AxisLaw& law) const { return law.stiffness > 0 ? law.stiffness : largest_stiffness_; }  // N/m
 
     void addAxis(int i, int a) {
         const Connection& connection = model_.connections[i];
@@ -109,10 +108,9 @@ private:
         addNumber(i, a, "loss_factor", &AxisLaw::loss_factor, "-", 0, 0.2, 0);
         addNumber(i, a, "drift", &AxisLaw::drift, "1/s", 0, kReach / scales_.duration);
         // Equal guides rub alike, whatever the elastomers beside them: one size along a direction.
-        double mean = 0;
-        for (const auto& other : model_.connections) mean += scaleOf(other.axis[a]);
-        mean /= static_cast<double>(model_.connections.size());
-        addFriction(i, a, 0.2 * mean * q, kTransition * v);
+        double all = 0;
+        for (const auto& other : model_.connections) all += scaleOf(other.axis[a]);
+        addFriction(i, a, 0.2 * q * all / static_cast<double>(model_.connections.size()), kTransition * v);
         addLaw(
             i, a, "stiffness_ratio", "-", 0, 0.5,
             [](const AxisLaw& l) { return l.relaxation ? l.relaxation->stiffness_ratio : 0.0; },

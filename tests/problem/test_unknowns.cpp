@@ -93,6 +93,18 @@ TEST_CASE("What guides hold is no unknown and has no cause") {
         }
 }
 
+TEST_CASE("Unknowns: friction of equal guides is sought as equal forces, whatever the elastomers beside them") {
+    Device device;
+    device.model.connections[1].axis[2].stiffness *= 2;
+    device.table =
+        makeUnknownTable({device.model, SensorErrors(device.layout)}, device.layout, device.scales, {true, true, true});
+    const auto reachOf = [&](const char* name) { return device.table[findUnknown(device.table, name)].reach; };
+    CHECK(reachOf("1.z.friction_force") == Approx(reachOf("2.z.friction_force")));
+    // What an elastomer does goes with its stiffness.
+    CHECK(reachOf("2.z.hysteresis_force") / reachOf("1.z.hysteresis_force") ==
+          Approx(device.model.connections[1].axis[2].stiffness / device.model.connections[0].axis[2].stiffness));
+}
+
 TEST_CASE("Unknowns: setting one number changes that one and no other") {
     const Device device;
     std::set<std::string> names;
