@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "identify/updating/settled_search.hpp"
+#include "identify/updating/standing.hpp"
 
 namespace wems::identify::updating {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "identify/updating/naming.hpp"
 #include "identify/updating/number_naming.hpp"
+#include "identify/updating/settled_search.hpp"
 #include "identify/updating/tolerant_search.hpp"
 
 namespace wems::identify::updating {

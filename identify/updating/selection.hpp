@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "identify/updating/settled_search.hpp"
+#include "identify/updating/standing.hpp"
 #include "identify/verdict/diagnosis.hpp"
 
 namespace wems::identify::updating {

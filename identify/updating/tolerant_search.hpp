@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "identify/updating/settled_search.hpp"
+#include "identify/updating/standing.hpp"
 #include "identify/updating/trials.hpp"
 #include "identify/verdict/diagnosis.hpp"
 

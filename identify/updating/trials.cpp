@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "identify/updating/naming.hpp"
-#include "identify/updating/settled_search.hpp"
+#include "identify/updating/standing.hpp"
 
 namespace wems::identify::updating {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "identify/updating/naming.hpp"
 #include "identify/updating/selection.hpp"
+#include "identify/updating/settled_search.hpp"
 #include "models/parameter_access.hpp"
 #include "tests/diagnose/hidden_device.hpp"
 #include "tests/seed.hpp"
