@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "identify/updating/fresh_start.hpp"
@@ -118,6 +119,7 @@ std::vector<RankedSet> TolerantSearch::weighRivals(Attempt& best, std::vector<Tr
     const double most = trials.front().log_evidence, shift = best.log_evidence - most;
     std::map<std::string, double> shifts{{nameCauses(best.state.set), shift}};
     std::map<HypothesisSet, double> settled{{best.state.set, best.log_evidence}};
+    std::set<HypothesisSet> wanting;  // judged: no alternatives
     for (const bool other_causes : {true, false})
         for (Trial& trial : trials) {
             const std::string causes = nameCauses(trial.set);
@@ -131,11 +133,15 @@ std::vector<RankedSet> TolerantSearch::weighRivals(Attempt& best, std::vector<Tr
             double& gained = shifts.emplace(causes, rival.log_evidence - trial.log_evidence).first->second;
             gained = std::max(gained, rival.log_evidence - trial.log_evidence);
             trial.point = rival.state.point;
-            if (rival.log_evidence > best.log_evidence && serves(rival, standing)) best = std::move(rival);
+            if (rival.log_evidence <= best.log_evidence) continue;
+            if (serves(rival, standing))
+                best = std::move(rival);
+            else
+                wanting.insert(trial.set);
         }
     std::vector<RankedSet> ranked{{present, settler_.calcLogEvidence(standing.state)}};
     for (const Trial& trial : trials) {
-        if (trial.set == present) continue;
+        if (trial.set == present || wanting.count(trial.set) > 0) continue;
         const auto own = settled.find(trial.set);
         const auto alike = shifts.find(nameCauses(trial.set));
         ranked.push_back({trial.set, own != settled.end()

@@ -25,7 +25,7 @@ public:
     bool takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
                   std::string& action);
 
-    /// Causes without which the equations left twice as much when they were taken.
+    /// Causes without which, when they were taken, the equations left twice as much or numbers beyond their tolerances.
     const std::vector<int>& needed() const { return needed_; }
 
 private:
