@@ -23,7 +23,7 @@ constexpr int kMostPasses = 20;   // for time: a pass that does not contract end
 
 /// Wrench of all laws on the mobile part, about M's origin, but for the sign: 6 x samples, tapered.
 Eigen::MatrixXd calcWrench(const OpenLoopRun& run, const MountModel& model, const Eigen::MatrixXd& directions) {
-    Eigen::MatrixXd forces(run.q.rows(), run.q.cols());
+    AxisSeries forces(run.q.rows(), run.q.cols());
     for (Eigen::Index row = 0; row < forces.rows(); ++row) {
         const int connection = static_cast<int>(row / 3), axis = static_cast<int>(row % 3);
         forces.row(row) = calcAxisForce(run, model.connections[connection].axis[axis], connection, axis).transpose();

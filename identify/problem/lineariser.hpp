@@ -104,7 +104,8 @@ private:
     MotionNoise motion_noise_;
     RunNoise noise_;
     BracketEquation bracket_;
-    Eigen::MatrixXd demand_, mount_series_, forces_, tangent_;
+    Eigen::MatrixXd demand_, mount_series_;
+    AxisSeries forces_, tangent_;
     Eigen::VectorXd rest_tangent_;
     std::vector<char> touched_;
     bool in_contact_ = false;

@@ -97,7 +97,7 @@ Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int co
     smooth.stops.clear();
     const AxisForce force(smooth);
     const int row = 3 * connection + axis;
-    const Eigen::VectorXd q = run.q.row(row), v = run.v.row(row);
+    const Eigen::VectorXd q = run.q.row(row).transpose(), v = run.v.row(row).transpose();
     const int count = run.sampleCount();
     Eigen::VectorXd result(count);
     const auto& branches = force.branches();
@@ -120,7 +120,7 @@ Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int co
     }
     result += calcStopForce(law, q, v, run.interval);
     if (sliding)
-        result += law.friction->force * calcSlidingDirection(run.quiet_v.row(row), law.friction->transition_velocity);
+        result += law.friction->force * calcSlidingDirection(run.quiet.of(row), law.friction->transition_velocity);
     return result;
 }
 

@@ -9,7 +9,6 @@
 #include "identify/motion/parallel.hpp"
 #include "identify/problem/band_limited_force.hpp"
 #include "identify/problem/smoothing_kernel.hpp"
-#include "identify/problem/velocity_noise.hpp"
 #include "models/bryant.hpp"
 #include "models/common/units.hpp"
 #include "models/mount_forces.hpp"
@@ -184,8 +183,8 @@ Eigen::VectorXd makeWindow(const OpenLoopRun& run, double edge) {
 
 }  // namespace
 
-void calcRelative(const MountModel& model, const SmoothPart& mobile, const SmoothPart& fixed, Eigen::MatrixXd& q,
-                  Eigen::MatrixXd& v) {
+void calcRelative(const MountModel& model, const SmoothPart& mobile, const SmoothPart& fixed, AxisSeries& q,
+                  AxisSeries& v) {
     const auto count = mobile.p.cols();
     const Eigen::Index connections = model.connections.size();
     q.resize(3 * connections, count);
@@ -215,8 +214,8 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
     runParallel(
         {[&] { result.mobile = smooth(run.mobile, filter); }, [&] { result.fixed = smooth(run.fixed, filter); }});
     calcRelative(model, result.mobile, result.fixed, result.q, result.v);
-    result.quiet_v = removeVelocityNoise(result.v, velocityNoiseFrame(result.interval, band.lowest), result.interval,
-                                         calcVelocityDensity(run, model, band, result.interval, run.trusted_from));
+    result.quiet = QuietVelocities(result.v, velocityNoiseFrame(result.interval, band.lowest), result.interval,
+                                   calcVelocityDensity(run, model, band, result.interval, run.trusted_from));
     if (run.load.cols() > 0) result.load = filter.apply(run.load, 0);
     if (run.base.cols() > 0) result.base = filter.apply(run.base, 0);
     const auto count = result.mobile.p.cols();

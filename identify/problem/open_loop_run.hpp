@@ -9,6 +9,7 @@
 
 #include "identify/motion/motion.hpp"
 #include "identify/problem/run_filter.hpp"
+#include "identify/problem/velocity_noise.hpp"
 #include "models/axis_law.hpp"
 #include "models/mount_model.hpp"
 
@@ -52,11 +53,11 @@ struct OpenLoopRun {
     RunFilter filter;
     Eigen::VectorXd time;  ///< s since the start of the recording
     SmoothPart mobile, fixed;
-    Eigen::MatrixXd q, v;     ///< relative displacement and velocity, F axes: row 3 i + axis; m, m/s
-    Eigen::MatrixXd quiet_v;  ///< velocity as friction takes it: without what is noise in a stretch and a band; m/s
-    Eigen::Matrix3Xd load;    ///< N; empty if not recorded
-    Eigen::Matrix3Xd base;    ///< m/s²; empty if not recorded
-    Eigen::VectorXd swept;    ///< Hz at each sample; empty if not known
+    AxisSeries q, v;        ///< relative displacement and velocity, F axes: row 3 i + axis; m, m/s
+    QuietVelocities quiet;  ///< v without what is noise in a stretch and a band
+    Eigen::Matrix3Xd load;  ///< N; empty if not recorded
+    Eigen::Matrix3Xd base;  ///< m/s²; empty if not recorded
+    Eigen::VectorXd swept;  ///< Hz at each sample; empty if not known
     bool fixed_measured = false;
     /// A part's displacements are integrated accelerations: its slow motion is not known.
     bool mobile_integrated = false, fixed_integrated = false;
@@ -80,8 +81,8 @@ OpenLoopRun makeOpenLoopRun(const RunMotion& run, const MountModel& model, const
                             const Eigen::VectorXd& swept_frequency);
 
 /// Relative displacement and velocity of every axis from the motion of both parts (rows 3 i + axis).
-void calcRelative(const MountModel& model, const SmoothPart& mobile, const SmoothPart& fixed, Eigen::MatrixXd& q,
-                  Eigen::MatrixXd& v);
+void calcRelative(const MountModel& model, const SmoothPart& mobile, const SmoothPart& fixed, AxisSeries& q,
+                  AxisSeries& v);
 
 // What small motion about a measured one meets of a law: its equivalent linear stiffness, and how that comes and goes.
 

@@ -33,16 +33,27 @@ SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model)
     const double stiffest = calcStiffnessMatrix(model).diagonal().maxCoeff();
     holdMotions(M, freedom_, 0);
     holdMotions(least, freedom_, kLeastTangent * stiffest);
-    tangent_.assign(samples, Matrix6::Zero());
+    // Most axes are at rest most of the time: a contact adds to what they have there.
+    Matrix6 at_rest = Matrix6::Zero();
+    std::vector<Eigen::VectorXd> beyond_rest;
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
+            const AxisLaw& law = model.connections[i].axis[a];
             const auto d = calcAxisDirection(model, static_cast<int>(i), a);
-            const Matrix6 along = d * d.transpose();
-            const Eigen::Index row = 3 * static_cast<Eigen::Index>(i) + a;
-            const Eigen::VectorXd tangent = calcTangent(run, model.connections[i].axis[a], row);
-            for (Eigen::Index k = 0; k < samples; ++k) tangent_[k] += tangent[k] * along;
+            const double rest = AxisForce(law).calcStaticStiffness(0);
+            at_rest += rest * d * d.transpose();
+            beyond_rest.emplace_back(calcTangent(run, law, static_cast<Eigen::Index>(beyond_rest.size())).array() -
+                                     rest);
         }
-    for (Matrix6& own : tangent_) holdMotions(own, freedom_, stiffest);
+    holdMotions(at_rest, freedom_, stiffest);
+    tangent_.assign(samples, at_rest);
+    for (std::size_t row = 0; row < beyond_rest.size(); ++row) {
+        const Vector6 d =
+            freedom_.cwiseProduct(calcAxisDirection(model, static_cast<int>(row / 3), static_cast<int>(row % 3)));
+        const Matrix6 along = d * d.transpose();
+        for (Eigen::Index k = 0; k < samples; ++k)
+            if (beyond_rest[row][k] != 0) tangent_[k] += beyond_rest[row][k] * along;
+    }
     // Of each pair of splines: the sum of w w K, and the factors of M and of `least`.
     std::vector<Matrix6> blocks(4 * splines_, Matrix6::Zero());
     std::vector<double> inertial(blocks.size(), 0.0), held(blocks.size(), 0.0);
@@ -159,7 +170,7 @@ std::unique_ptr<SlowBalance> followSlowMotion(OpenLoopRun& run, const MountModel
         part.alpha += a.bottomRows(3);
         for (Eigen::Index k = 0; k < part.theta.cols(); ++k) part.R[k] = rotationFromVector(part.theta.col(k));
         calcRelative(model, moved.mobile, moved.fixed, moved.q, moved.v);
-        moved.quiet_v += moved.v - run.v;
+        moved.quiet.add(moved.v - run.v);
         return moved;
     };
     auto balance = std::make_unique<SlowBalance>(run, model);

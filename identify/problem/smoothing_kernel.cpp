@@ -80,19 +80,27 @@ SmoothingKernel::SmoothingKernel(double interval, double pass, double stop) {
     weights_[2] /= 0.5 * weights_[2].dot(t.cwiseAbs2());
 }
 
+namespace {
+
+/// A row with its first and last value held for so many samples beyond its ends.
+Eigen::VectorXd extend(const Eigen::Ref<const Eigen::MatrixXd>& rows, Eigen::Index row, Eigen::Index beyond) {
+    const Eigen::Index samples = rows.cols();
+    Eigen::VectorXd held(samples + 2 * beyond);
+    held.head(beyond).setConstant(rows(row, 0));
+    held.segment(beyond, samples) = rows.row(row).transpose();
+    held.tail(beyond).setConstant(rows(row, samples - 1));
+    return held;
+}
+
+}  // namespace
+
 Eigen::MatrixXd SmoothingKernel::apply(const Eigen::Ref<const Eigen::MatrixXd>& rows, int derivative, int step) const {
     const auto& weights = weights_[derivative];
-    const Eigen::Index samples = rows.cols();
-    Eigen::MatrixXd result(rows.rows(), (samples + step - 1) / step);
-    for (Eigen::Index k = 0; k < result.cols(); ++k) {
-        const Eigen::Index first = k * step - half_width_;
-        if (first >= 0 && first + weights.size() <= samples) {
-            result.col(k).noalias() = rows.middleCols(first, weights.size()) * weights;
-            continue;
-        }
-        result.col(k).setZero();
-        for (Eigen::Index j = 0; j < weights.size(); ++j)
-            result.col(k) += weights[j] * rows.col(std::clamp<Eigen::Index>(first + j, 0, samples - 1));
+    Eigen::MatrixXd result(rows.rows(), (rows.cols() + step - 1) / step);
+    for (Eigen::Index row = 0; row < rows.rows(); ++row) {
+        const Eigen::VectorXd held = extend(rows, row, half_width_);
+        for (Eigen::Index k = 0; k < result.cols(); ++k)
+            result(row, k) = weights.dot(held.segment(k * step, weights.size()));
     }
     return result;
 }
@@ -101,7 +109,10 @@ Eigen::MatrixXd SmoothingKernel::applyBetween(const Eigen::Ref<const Eigen::Matr
                                               int refinement) const {
     const auto& weights = weights_[derivative];
     const Eigen::Index samples = rows.cols(), all = weights.size(), fine = refinement;
-    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows.rows(), (samples - 1) * fine + 1);
+    const Eigen::Index beyond = half_width_ / fine + 1;
+    Eigen::MatrixXd result(rows.rows(), (samples - 1) * fine + 1);
+    std::vector<Eigen::VectorXd> held;
+    for (Eigen::Index row = 0; row < rows.rows(); ++row) held.push_back(extend(rows, row, beyond));
     for (Eigen::Index phase = 0; phase < fine; ++phase) {
         // Weights that meet samples at this place within an interval; each phase alone is exact on constants.
         const Eigen::Index skipped = (half_width_ + fine - phase) % fine, count = (all - 1 - skipped) / fine + 1;
@@ -109,15 +120,9 @@ Eigen::MatrixXd SmoothingKernel::applyBetween(const Eigen::Ref<const Eigen::Matr
         for (Eigen::Index j = 0; j < count; ++j) own[j] = static_cast<double>(fine) * weights[skipped + j * fine];
         if (derivative == 0) own /= own.sum();
         if (derivative > 0) own.array() -= own.mean();
-        for (Eigen::Index k = phase; k < result.cols(); k += fine) {
-            const Eigen::Index first = (k - half_width_ + skipped) / fine;
-            if (first >= 0 && first + count <= samples) {
-                result.col(k).noalias() = rows.middleCols(first, count) * own;
-                continue;
-            }
-            for (Eigen::Index j = 0; j < count; ++j)
-                result.col(k) += own[j] * rows.col(std::clamp<Eigen::Index>(first + j, 0, samples - 1));
-        }
+        for (Eigen::Index row = 0; row < rows.rows(); ++row)
+            for (Eigen::Index k = phase; k < result.cols(); k += fine)
+                result(row, k) = own.dot(held[row].segment((k - half_width_ + skipped) / fine + beyond, count));
     }
     return result;
 }

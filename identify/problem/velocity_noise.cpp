@@ -65,4 +65,32 @@ Eigen::MatrixXd removeVelocityNoise(const Eigen::MatrixXd& velocities, int frame
     return result;
 }
 
+QuietVelocities::QuietVelocities(const AxisSeries& velocities, int frame, double interval,
+                                 const Eigen::MatrixXd& density)
+    : noisy_(std::make_shared<Noisy>()) {
+    noisy_->velocities = velocities;
+    noisy_->frame = frame;
+    noisy_->interval = interval;
+    noisy_->density = density;
+    noisy_->quiet.resize(static_cast<std::size_t>(velocities.rows()));
+}
+
+Eigen::VectorXd QuietVelocities::of(Eigen::Index axis) const {
+    if (!noisy_) return added_.row(axis).transpose();
+    const std::lock_guard<std::mutex> lock(noisy_->guard);
+    Eigen::VectorXd& quiet = noisy_->quiet[static_cast<std::size_t>(axis)];
+    if (quiet.size() == 0)
+        quiet = removeVelocityNoise(noisy_->velocities.row(axis), noisy_->frame, noisy_->interval,
+                                    noisy_->density.row(axis))
+                    .transpose();
+    return added_.size() > 0 ? (quiet + added_.row(axis).transpose()).eval() : quiet;
+}
+
+void QuietVelocities::add(const AxisSeries& velocities) {
+    if (added_.size() > 0)
+        added_ += velocities;
+    else
+        added_ = velocities;
+}
+
 }  // namespace wems::identify

@@ -4,8 +4,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <mutex>
+#include <vector>
 
 namespace wems::identify {
+
+/// A row for each axis, its samples side by side in memory: laws go along them.
+using AxisSeries = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Wiener filter over short-time spectra (overlapping frames): what lies below twice the noise in a stretch and
 /// a band goes, the rest loses the noise's share of its power. Zero phase. (Oppenheim, Verghese, Signals, Systems and
@@ -18,5 +24,32 @@ Eigen::MatrixXd removeVelocityNoise(const Eigen::MatrixXd& velocities, int frame
                                     const Eigen::MatrixXd& density);
 /// Two and a half periods of the lowest excited frequency (Hz).
 int velocityNoiseFrame(double interval, double lowest);
+
+/// Velocities as friction takes them. An axis is rid of its noise when its friction is first asked for: most have none.
+class QuietVelocities {
+public:
+    QuietVelocities() = default;
+    /// Without noise. m/s
+    explicit QuietVelocities(const AxisSeries& velocities) : added_(velocities) {}
+    /// As removeVelocityNoise takes them.
+    QuietVelocities(const AxisSeries& velocities, int frame, double interval, const Eigen::MatrixXd& density);
+
+    /// m/s; may be asked by several threads at once.
+    Eigen::VectorXd of(Eigen::Index axis) const;
+    /// Motion without such noise on top of it, m/s.
+    void add(const AxisSeries& velocities);
+
+private:
+    struct Noisy {
+        AxisSeries velocities;
+        int frame;
+        double interval;
+        Eigen::MatrixXd density;
+        std::mutex guard;
+        std::vector<Eigen::VectorXd> quiet;  // of each axis, empty until it is asked for
+    };
+    std::shared_ptr<Noisy> noisy_;
+    AxisSeries added_;
+};
 
 }  // namespace wems::identify

@@ -91,7 +91,8 @@ identify::OpenLoopRun makeOpenRun(const Eigen::MatrixXd& q, const Eigen::MatrixX
     run.interval = kInterval * step;
     run.time = Eigen::VectorXd::LinSpaced(count, 0, static_cast<double>(count - 1) * run.interval);
     run.q = q(Eigen::all, Eigen::seqN(0, count, step));
-    run.v = run.quiet_v = v(Eigen::all, Eigen::seqN(0, count, step));
+    run.v = v(Eigen::all, Eigen::seqN(0, count, step));
+    run.quiet = identify::QuietVelocities(run.v);
     return run;
 }
 

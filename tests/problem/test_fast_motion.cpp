@@ -118,7 +118,7 @@ TEST_CASE("Fast motion of contacts comes back from coarse displacements", "[fast
     fixed.v = fine.v_F.leftCols(count);
     fixed.w = fine.w_F.leftCols(count);
     fixed.R.assign(fine.R_GF.begin(), fine.R_GF.begin() + count);
-    Eigen::MatrixXd q, v;
+    AxisSeries q, v;
     calcRelative(device, mobile, fixed, q, v);
 
     const double before = calcError(plain, plain.q, q), after = calcError(plain, restored.q, q);

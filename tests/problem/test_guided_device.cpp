@@ -214,7 +214,8 @@ TEST_CASE("A load on the mobile part at rest is what the mount must bear, with i
     constexpr int samples = 5;
     run.interval = run.raw_interval = 1e-3;
     run.time = Eigen::VectorXd::LinSpaced(samples, 0, (samples - 1) * run.interval);
-    run.q = run.v = run.quiet_v = Eigen::MatrixXd::Zero(6, samples);
+    run.q = run.v = Eigen::MatrixXd::Zero(6, samples);
+    run.quiet = QuietVelocities(run.v);
     for (SmoothPart* part : {&run.mobile, &run.fixed}) {
         part->p = part->theta = part->v = part->w = part->a = part->alpha = Eigen::Matrix3Xd::Zero(3, samples);
         part->R.assign(samples, Eigen::Matrix3d::Identity());

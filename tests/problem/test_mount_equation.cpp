@@ -21,7 +21,8 @@ OpenLoopRun makeRun(int samples, int connections) {
     OpenLoopRun run;
     run.interval = run.raw_interval = kInterval;
     run.time = Eigen::VectorXd::LinSpaced(samples, 0, (samples - 1) * kInterval);
-    run.q = run.v = run.quiet_v = Eigen::MatrixXd::Zero(3 * connections, samples);
+    run.q = run.v = Eigen::MatrixXd::Zero(3 * connections, samples);
+    run.quiet = QuietVelocities(run.v);
     for (SmoothPart* part : {&run.mobile, &run.fixed}) {
         part->p = part->theta = part->v = part->w = part->a = part->alpha = Eigen::Matrix3Xd::Zero(3, samples);
         part->R.assign(samples, Eigen::Matrix3d::Identity());

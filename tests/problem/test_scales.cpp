@@ -96,5 +96,8 @@ TEST_CASE("A velocity keeps what it has where the noise of an acceleration is no
     }
     const OpenLoopRun run = makeOpenLoopRun(motion, model, {5, 50}, {});
     REQUIRE(run.v.norm() > 0);
-    CHECK((run.quiet_v - run.v).norm() < 0.01 * run.v.norm());
+    double changed = 0;
+    for (Eigen::Index axis = 0; axis < run.v.rows(); ++axis)
+        changed += (run.quiet.of(axis).transpose() - run.v.row(axis)).squaredNorm();
+    CHECK(std::sqrt(changed) < 0.01 * run.v.norm());
 }
