@@ -22,7 +22,7 @@ from definition import Campaign, CampaignError  # noqa: E402
 from hidden_scores import judge, summarise  # noqa: E402
 from launch import run_campaign  # noqa: E402
 
-PROGRAMS = os.path.abspath(os.environ.get("WEMS_PROGRAMS", "build/release"))
+PROGRAMS = os.path.abspath(os.environ.get("WEMS_PROGRAMS", f"{HERE}/../build/release"))
 SET_UPS = {"bracket": 0.52, "base": 0.38, "axis": 0.1}  # shares
 
 
@@ -47,13 +47,13 @@ def run(command, seconds=None):
         return out.read(), usage.ru_utime + usage.ru_stime
 
 
-def simulate(folder, truth):
+def simulate(folder, truth, programs):
     """The truth once more by Simbody, driven by the load that the generator wrote, in place of its recordings."""
     noise = truth["noise"]
     channels = [c for c in ("displacement", "acceleration") if noise[c] > 0]
     for number, name in enumerate(("run1", "run2", "validate")):
         file = f"{folder}/seen/{name}.csv"
-        run([f"{PROGRAMS}/plugin/simulate", f"{folder}/truth.toml", "--from-csv", file, "--channels", ",".join(channels), "-q",
+        run([f"{programs}/plugin/simulate", f"{folder}/truth.toml", "--from-csv", file, "--channels", ",".join(channels), "-q",
              "--seed", str(1 + number), "-o", f"{folder}/simbody.csv",
              "--noise", ",".join(f"{c}={noise[c]:.4g}" for c in channels)])
         os.replace(f"{folder}/simbody.csv", file)
@@ -70,7 +70,7 @@ def draw(seed, index, options):
     partial = folder + ".part"
     shutil.rmtree(partial, ignore_errors=True)
     try:
-        _, cpu = run([f"{PROGRAMS}/tests/hidden/hidden_case", str(seed), str(index), partial, "--level", str(level),
+        _, cpu = run([f"{options.programs}/tests/hidden/hidden_case", str(seed), str(index), partial, "--level", str(level),
                       "--kind", options.kind or "any", "--set-up", set_up, "--sensors", options.sensors,
                       "--excitation", options.excitation, "--time-scale", options.time_scale,
                       "--tolerance", "no" if options.without_tolerance else "yes"])
@@ -78,7 +78,7 @@ def draw(seed, index, options):
             truth = json.load(file)
         simbody = not options.forward and truth["set_up"] == "bracket" and level == 0 and truth["class"] != "outside"
         if simbody:
-            simulate(partial, truth)
+            simulate(partial, truth, options.programs)
         truth["truth_by"] = "Simbody" if simbody else "the generator"
         truth["cpu_to_draw"] = cpu
         with open(f"{partial}/truth.json", "w") as file:
@@ -176,6 +176,7 @@ def main():
     options.remove = not (options.keep or options.folder or options.again or options.only_draw is not None)
     options.folder = os.path.abspath(options.again or options.folder or tempfile.mkdtemp(prefix="hidden_effects_"))
     os.makedirs(options.folder, exist_ok=True)
+    options.programs = PROGRAMS  # the steps run elsewhere
     options.output = os.path.abspath(options.output or options.folder + "_answers")
     options.seed = options.seed if options.seed is not None else random.SystemRandom().randrange(10**6)
     try:
