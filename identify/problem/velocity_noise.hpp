@@ -42,8 +42,8 @@ public:
 private:
     struct Noisy {
         AxisSeries velocities;
-        int frame;
-        double interval;
+        int frame = 0;
+        double interval = 0;
         Eigen::MatrixXd density;
         std::mutex guard;
         std::vector<Eigen::VectorXd> quiet;  // of each axis, empty until it is asked for

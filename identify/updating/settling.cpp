@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace wems::identify::updating {
@@ -60,6 +61,17 @@ Eigen::VectorXd keepInRange(const TestProblem& problem, Eigen::VectorXd estimate
         estimate[i] = std::clamp(row.believed + estimate[i], row.least, row.most) - row.believed;
     }
     return estimate;
+}
+
+/// Of what was measured at a point, without columns.
+std::vector<double> calcMeanSquares(const Information& actual) {
+    std::vector<double> misfits;
+    for (const BlockInformation& block : actual) misfits.push_back(block.empty() ? 0 : block.chi_squared / block.count);
+    return misfits;
+}
+
+bool hasBursts(const Information& all) {
+    return std::any_of(all.begin(), all.end(), [](const BlockInformation& block) { return block.scatter.size() > 0; });
 }
 
 /// C⁻¹ ε on the columns that a set moves, C their prior covariance: the slope of −log prior there.
@@ -177,13 +189,21 @@ BlockScales Settler::settleScales(const Information& all, const HypothesisSet& s
     return scales;
 }
 
-double Settler::calcExcess(const TestView& view, const TestPoint& point, const Eigen::VectorXd& estimate,
-                           const BlockScales& scales, bool with_validation, Growth growth) const {
+Information Settler::calcActual(const TestPoint& point, bool with_validation) const {
     const TestMisfit misfit = problem_.misfit(point);
     Information actual = misfit.identification;
     if (with_validation) add(actual, misfit.validation);
-    const Information quadratic = sumOf(view, with_validation);
-    const Eigen::VectorXd step = estimate - problem_.estimateOf(view.at);
+    return actual;
+}
+
+double Settler::calcExcess(const TestView& view, const TestPoint& point, const Eigen::VectorXd& estimate,
+                           const BlockScales& scales) const {
+    return calcExcess(sumOf(view, true), estimate - problem_.estimateOf(view.at), calcActual(point, true), estimate,
+                      scales, Growth::doubted);
+}
+
+double Settler::calcExcess(const Information& quadratic, const Eigen::VectorXd& step, const Information& actual,
+                           const Eigen::VectorXd& estimate, const BlockScales& scales, Growth growth) const {
     double excess = 0;
     for (std::size_t k = 0; k < kBlocks; ++k) {
         if (actual[k].empty()) continue;
@@ -200,27 +220,46 @@ double Settler::calcExcess(const TestView& view, const TestPoint& point, const E
 }
 
 void Settler::settle(SetState& state, int most, bool with_validation) const {
+    settle(state, most, with_validation, [](double /*damping*/) { return true; });
+}
+
+int Settler::compete(SetState& state, int most, double rival) const {
+    double before = calcLogEvidence(state), last = std::numeric_limits<double>::infinity();
+    return settle(state, most, true, [&](double damping) {
+        state.scales = scalesOf(calcMisfits(sumOf(state.view, true), problem_.estimateOf(state.point)));
+        const double now = calcLogEvidence(state), gained = now - std::exchange(before, now);
+        const double previous = std::exchange(last, damping > 0 ? last : gained);
+        if (now > rival || damping > 0 || !std::isfinite(previous)) return true;
+        const double ratio = gained / previous;
+        return !(ratio < 1) || now + gained * ratio / (1 - ratio) > rival;
+    });
+}
+
+int Settler::settle(SetState& state, int most, bool with_validation,
+                    const std::function<bool(double)>& is_worth_more) const {
     const std::vector<double> misfits =
         calcMisfits(sumOf(state.view, with_validation), problem_.estimateOf(state.point));
     // The more a model leaves, the less its columns say of where that vanishes (Fan and Yuan, 2005, damp by the
     // residual). What the recordings know best moves first. Where few steps are allowed, the last has at most the
     // prior's own precision as its damping.
     double damping = std::min(*std::max_element(misfits.begin(), misfits.end()) - 1, std::pow(kEased, most - 1));
-    for (int pass = 0; pass < most;) {
+    int steps = 0;
+    while (steps < most) {
         if (!(damping >= 1)) damping = 0;  // nor where a misfit is no number
         const Step step = improve(state, with_validation, damping);
+        if (step != Step::none) ++steps;
+        if (step != Step::none && !is_worth_more(damping)) break;
         if (damping == 0 && step != Step::onwards) break;
-        if (step != Step::none) ++pass;
         damping /= kEased;
     }
     state.scales = scalesOf(calcMisfits(sumOf(state.view, with_validation), problem_.estimateOf(state.point)));
+    return steps;
 }
 
 /// The point towards which a quadratic leads, as far as the equations themselves bear out what it promises. The view
 /// was made at `point`: there the quadratic is what the equations say.
-Settler::Step Settler::advance(const TestView& view, const Information& all, const HypothesisSet& set,
-                               const BlockScales& scales, double least, bool with_validation, double first_damping,
-                               TestPoint& point) const {
+Settler::Step Settler::advance(const Information& all, const HypothesisSet& set, const BlockScales& scales,
+                               double least, bool with_validation, double first_damping, TestPoint& point) const {
     const SetEvidence evidence(problem_, all, scales, set, Growth::followed);
     const Eigen::VectorXd present = problem_.estimateOf(point), slope = calcPriorSlope(problem_, present, set);
     const Eigen::VectorXd target =
@@ -230,18 +269,25 @@ Settler::Step Settler::advance(const TestView& view, const Information& all, con
     };
     const double here = objective(present);
     if (!(here - objective(target) >= least)) return Step::none;  // nor where it is no number
+    const std::vector<double> misfits = calcMisfits(all, present);
+    const bool must_fall = hasBursts(all) && !isNoiseAlone(all, misfits);
+    const double cost = calcCost(all, misfits) + calcPriorSquare(present, set);
     struct Reached {
         double promised = 0, gain = 0;  // by the quadratic; by the equations
+        bool falls = true;              // what is left, where it must
         TestPoint point;
     };
     const auto reach = [&](const Eigen::VectorXd& at) -> Reached {
         TestPoint next = problem_.pointAt(at, set);
         const double promised = here - objective(at);
-        const double excess = calcExcess(view, next, at, scales, with_validation, Growth::followed);
-        return {promised, promised - excess, std::move(next)};
+        const Information actual = calcActual(next, with_validation);
+        const double excess = calcExcess(all, at - present, actual, at, scales, Growth::followed);
+        const bool falls = calcCost(actual, calcMeanSquares(actual)) + calcPriorSquare(at, set) < cost;
+        return {promised, promised - excess, falls || !must_fall, std::move(next)};
     };
     const auto isKept = [](const Reached& reached) { return reached.gain >= kKept * reached.promised; };
     Reached best = reach(target);
+    if (isKept(best) && !best.falls) return Step::contrary;
     if (!isKept(best)) {
         double length = calcPriorSquare(target - present, set);
         for (double damping = kFirstDamping * std::max(1.0, first_damping);; damping *= kFirstDamping) {
@@ -252,25 +298,31 @@ Settler::Step Settler::advance(const TestView& view, const Information& all, con
             length = shorter;
             Reached nearer = reach(at);
             const bool kept = isKept(nearer);
+            if (kept && !nearer.falls) return Step::contrary;
             if (!(best.gain >= nearer.gain)) best = std::move(nearer);
             if (kept) break;
         }
     }
     if (!(best.gain > std::max(kGained * least, kPromised * best.promised))) return Step::none;
+    if (!best.falls) return Step::contrary;
     point = std::move(best.point);
     return best.gain >= least ? Step::onwards : Step::last;
 }
 
 /// A step of the set: with the present discrepancy, or, undamped, with the one that its estimate would leave.
 Settler::Step Settler::improve(SetState& state, bool with_validation, double damping) const {
-    const Information all = sumOf(state.view, with_validation);
+    Information all = sumOf(state.view, with_validation);
     const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(state.point));
     const double least = std::max(2 * kSettled, kWorthwhile * calcCost(all, misfits));
     const auto advanced = [&](const BlockScales& scales) {
-        return advance(state.view, all, state.set, scales, least, with_validation, damping, state.point);
+        return advance(all, state.set, scales, least, with_validation, damping, state.point);
     };
     Step step = advanced(scalesOf(misfits));
     if (step == Step::none && damping == 0) step = advanced(settleScales(all, state.set));
+    if (step == Step::contrary) {
+        for (BlockInformation& block : all) block.scatter.resize(0, 0);
+        step = advanced(scalesOf(misfits));
+    }
     if (step != Step::none) state.view = problem_.view(state.point, state.set);
     return step;
 }
@@ -278,18 +330,14 @@ Settler::Step Settler::improve(SetState& state, bool with_validation, double dam
 TestPoint Settler::refine(TestPoint point, const HypothesisSet& set, const BlockScales& scales, int most) const {
     for (int pass = 0; pass < most; ++pass) {
         const TestView view = problem_.view(point, set);
-        if (advance(view, sumOf(view, true), set, scales, 2 * kSettled, true, 0, point) != Step::onwards) break;
+        if (advance(sumOf(view, true), set, scales, 2 * kSettled, true, 0, point) != Step::onwards) break;
     }
     return point;
 }
 
 double Settler::calcCostAt(const TestPoint& point) const {
-    const TestMisfit misfit = problem_.misfit(point);
-    Information all = misfit.identification;
-    add(all, misfit.validation);
-    std::vector<double> misfits;
-    for (const BlockInformation& block : all) misfits.push_back(block.empty() ? 0 : block.chi_squared / block.count);
-    return calcCost(all, misfits);
+    const Information actual = calcActual(point, true);
+    return calcCost(actual, calcMeanSquares(actual));
 }
 
 double Settler::calcLogEvidence(const SetState& state) const {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "identify/updating/test_problem.hpp"
@@ -77,6 +78,12 @@ public:
     /// columns of the set alone, if a step was taken.
     void settle(SetState& state, int most, bool with_validation) const;
 
+    /// Steps of a set that begins far from its best numbers, against a rival's log evidence: to its end, or until what
+    /// undamped steps gain, as a geometric series, leaves it behind (Aitken, Proc. R. Soc. Edinburgh 46, 1926,
+    /// extrapolates so).
+    /// @return steps taken
+    int compete(SetState& state, int most, double rival) const;
+
     /// Up to `most` steps of a set from a point, at scales that are held.
     TestPoint refine(TestPoint point, const HypothesisSet& set, const BlockScales& scales, int most) const;
 
@@ -87,7 +94,7 @@ public:
     /// How much more than its quadratic a view's misfit is at a point, each block over its scale: what the laws do
     /// beyond first order.
     double calcExcess(const TestView& view, const TestPoint& point, const Eigen::VectorXd& estimate,
-                      const BlockScales& scales, bool with_validation, Growth growth = Growth::doubted) const;
+                      const BlockScales& scales) const;
 
     /// −2 log likelihood of blocks whose scale is not known but follows from their misfit: the integral of dχ² / scale.
     double calcCost(const Information& all, const std::vector<double>& misfits) const;
@@ -104,13 +111,21 @@ public:
 
 private:
     /// Whether a step was worth it, and whether the next may be: where the quadratic fails, small gains follow small
-    /// ones for as long as they are taken.
-    enum class Step { none, last, onwards };
+    /// ones for as long as they are taken. Contrary: what the equations bear out leaves more than there was.
+    enum class Step { none, contrary, last, onwards };
 
+    /// @param is_worth_more asked after each step, with its damping
+    /// @return steps taken
+    int settle(SetState& state, int most, bool with_validation, const std::function<bool(double)>& is_worth_more) const;
+    /// χ² and count of each block at a point.
+    Information calcActual(const TestPoint& point, bool with_validation) const;
+    /// @param step from where the quadratic was formed; @param actual at `estimate`
+    double calcExcess(const Information& quadratic, const Eigen::VectorXd& step, const Information& actual,
+                      const Eigen::VectorXd& estimate, const BlockScales& scales, Growth growth) const;
     BlockScales settleScales(const Information& all, const HypothesisSet& set) const;
     Step improve(SetState& state, bool with_validation, double damping) const;
-    Step advance(const TestView& view, const Information& all, const HypothesisSet& set, const BlockScales& scales,
-                 double least, bool with_validation, double first_damping, TestPoint& point) const;
+    Step advance(const Information& all, const HypothesisSet& set, const BlockScales& scales, double least,
+                 bool with_validation, double first_damping, TestPoint& point) const;
 
     const TestProblem& problem_;
     double alike_ = 1;

@@ -12,6 +12,7 @@ namespace wems::identify::updating {
 namespace {
 
 constexpr int kMostAttempts = 3;  // sets of a round that are settled, for time
+constexpr int kMostAfresh = 16;   // steps of what begins far away, as sets of causes have
 
 void sortByEvidence(std::vector<RankedSet>& ranked) {
     std::sort(ranked.begin(), ranked.end(),
@@ -160,10 +161,10 @@ void TolerantSearch::weighFreshStarts(std::optional<Attempt>& best, const Standi
     const double present = settler_.calcLogEvidence(standing.state);
     for (const Trial& start : starts) {
         tell("rival");
-        Attempt fresh = settle(start);
+        const double least = best ? best->log_evidence : present;
+        Attempt fresh = settle(start, least);
         // Without it numbers of its axis lie beyond their tolerances: it is needed though the prediction is as good.
         fresh.needed = fresh.needed || fresh.log_evidence > present + kUnlikely;
-        const double least = best ? best->log_evidence : present;
         if (!(fresh.log_evidence > least) || !serves(fresh, standing)) continue;
         if (!best) ranked = {{standing.state.set, present}};
         ranked.push_back({start.set, fresh.log_evidence});
@@ -181,7 +182,7 @@ void TolerantSearch::take(Attempt best, Standing& standing) {
     standing.judged = best.judged;
 }
 
-TolerantSearch::Attempt TolerantSearch::settle(const Trial& trial) {
+TolerantSearch::Attempt TolerantSearch::settle(const Trial& trial, std::optional<double> rival) {
     const TestProblem::Memento before = problem_.adopt(trial.set);
     Attempt attempt;
     SetState& next = attempt.state;
@@ -189,7 +190,11 @@ TolerantSearch::Attempt TolerantSearch::settle(const Trial& trial) {
     // Rows count from new believed values and columns are others now.
     next.point = problem_.pointAt(problem_.estimateOf(trial.point), next.set);
     next.view = problem_.view(next.point, next.set);
-    settler_.settle(next, kMostRefining, true);
+    next.scales = settler_.scalesOf(calcMisfits(sumOf(next.view, true), problem_.estimateOf(next.point)));
+    if (rival)
+        settler_.compete(next, kMostAfresh, *rival);
+    else
+        settler_.settle(next, kMostRefining, true);
     attempt.needed = isNeeded(next);
     attempt.log_evidence = settler_.calcLogEvidence(next);
     problem_.restore(before);

@@ -44,7 +44,8 @@ private:
                                        int attempts);
     void weighFreshStarts(std::optional<Attempt>& best, const Standing& standing, std::vector<RankedSet>& ranked);
     void take(Attempt best, Standing& standing);
-    Attempt settle(const Trial& trial);
+    /// @param rival log evidence that a trial from far away has to reach
+    Attempt settle(const Trial& trial, std::optional<double> rival = std::nullopt);
     bool serves(Attempt& attempt, const Standing& standing);
     bool isWorthwhile(const Attempt& attempt, const Standing& standing) const;
     bool isNeeded(const SetState& next) const;

@@ -29,7 +29,7 @@ double refine(TestProblem& problem, const Settler& settler, const SetState& pres
     const Eigen::VectorXd estimate = problem.estimateOf(point);
     trial.point = std::move(point);
     return evidence.calcChange(estimate) + prior +
-           settler.calcExcess(present.view, trial.point, estimate, present.scales, true);
+           settler.calcExcess(present.view, trial.point, estimate, present.scales);
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ std::vector<Trial> tryBest(TestProblem& problem, const Settler& settler, const S
         if (!isWanted(problem, entry.members, target)) continue;
         known.push_back(signature);
         Trial trial{entry.members, problem.pointAt(target, entry.members), entry.log_evidence};
-        const double excess = settler.calcExcess(present.view, trial.point, target, present.scales, true);
+        const double excess = settler.calcExcess(present.view, trial.point, target, present.scales);
         trial.log_evidence -= 0.5 * std::max(0.0, excess);
         trials.push_back(std::move(trial));
         promised.push_back(entry.log_evidence);
