@@ -55,8 +55,9 @@ private:
         const FreeError judged = judge_(next.point, next.set);
         const Evidence evidence = makeEvidence(problem_, next.view, next.scales, true);
         // No cause explains by a prediction that is worse with it, unless both are as good as asked for.
-        const bool matters = isSensorFault(at(hypothesis)) || isWorthExplaining(judged);
-        if (matters && judged.error > (1 + kWorth) * standing_.judged.error) return false;
+        const FreeError& before = standing_.judged;
+        if (isSensorFault(at(hypothesis)) ? judged.error > (1 + kWorth) * before.error : isSpoilt(before, judged))
+            return false;
         if (!isSensorFault(at(hypothesis)) && !isNeededBeyond(next, judged, hypothesis, evidence)) return false;
         const Posterior posterior = evidence.calcPosterior(next.set);
         const double probability = calcBeyondProbability(problem_, at(hypothesis), next.point, posterior);

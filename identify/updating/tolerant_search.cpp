@@ -215,15 +215,19 @@ bool TolerantSearch::isWorthwhile(const Attempt& attempt, const Standing& standi
     const SetState& next = attempt.state;
     const HypothesisSet& present = standing.state.set;
     if (!isPossible(problem_, next.set, problem_.estimateOf(next.point))) return false;
-    bool must_improve = false;
+    bool must_improve = false, blames_sensor = false;
     for (const int h : next.set) {
         if (std::binary_search(present.begin(), present.end(), h)) continue;
         const Hypothesis& hypothesis = problem_.hypotheses()[h];
         if (!isBeyondTolerance(problem_, hypothesis, next.point)) return false;
-        must_improve = must_improve || (!attempt.needed && !isSensorFault(hypothesis));
+        const bool sensor = isSensorFault(hypothesis);
+        blames_sensor = blames_sensor || sensor;
+        must_improve = must_improve || (!attempt.needed && !sensor);
     }
-    return must_improve ? isImproved(standing.judged, attempt.judged)
-                        : attempt.judged.error <= (1 + kWorth) * standing.judged.error;
+    if (must_improve) return isImproved(standing.judged, attempt.judged);
+    // A fault of sensors has no part in the prediction: whatever is worse with it was made up for by others.
+    return blames_sensor ? attempt.judged.error <= (1 + kWorth) * standing.judged.error
+                         : !isSpoilt(standing.judged, attempt.judged);
 }
 
 /// Whether equations that leave more than noise leave half of what exceeds it with a set.

@@ -70,6 +70,10 @@ bool isImproved(const FreeError& before, const FreeError& after) {
            (1 - (1 - kWorth) * (1 - kWorth)) * calcExplainable(before);
 }
 
+bool isSpoilt(const FreeError& before, const FreeError& after) {
+    return isWorthExplaining(after) && after.error > (1 + kWorth) * before.error;
+}
+
 bool isBelowNoise(const FreeError& with, const FreeError& without) {
     return without.error < std::hypot(with.error, with.noise_floor);
 }

@@ -53,6 +53,8 @@ double calcExplainable(const FreeError& error);
 bool isWorthless(const FreeError& with, const FreeError& without);
 /// Whether a prediction is better than another by at least that.
 bool isImproved(const FreeError& before, const FreeError& after);
+/// Whether a prediction is worse than another by more than that, and not as good as asked for.
+bool isSpoilt(const FreeError& before, const FreeError& after);
 /// Whether a cause's part of the error lies below the noise that the prediction is compared with. Errors add as
 /// squares.
 bool isBelowNoise(const FreeError& with, const FreeError& without);

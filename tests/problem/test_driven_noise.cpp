@@ -126,3 +126,17 @@ TEST_CASE("What a cause is worth is judged by what the drive's noise leaves") {
     CHECK_FALSE(isWorthless(after, lost));
     CHECK(isWorthless(lost, after));
 }
+
+// What is as good as asked for decides nothing: 3 % of the motion, or one and a half noise floors.
+TEST_CASE("A prediction is spoilt where it is worse and not as good as asked for") {
+    const FreeError good{0.02, 0.01, false, {}}, fair{0.04, 0.01, false, {}}, noisy{0.07, 0.05, false, {}};
+    CHECK_FALSE(isSpoilt(good, {0.029, 0.01, false, {}}));
+    CHECK(isSpoilt(good, fair));
+    CHECK_FALSE(isSpoilt(fair, {0.0415, 0.01, false, {}}));
+    CHECK(isSpoilt(fair, {0.0425, 0.01, false, {}}));
+    CHECK_FALSE(isSpoilt({0.06, 0.05, false, {}}, noisy));
+    const FreeError lost{std::numeric_limits<double>::infinity(), 0, true, {}};
+    CHECK(isSpoilt(good, lost));
+    CHECK_FALSE(isSpoilt(lost, fair));
+    CHECK_FALSE(isSpoilt(lost, lost));
+}
