@@ -30,8 +30,10 @@ namespace wems::identify {
 class SlowBalance {
 public:
     /// @param model whose slow motion `run` has
-    SlowBalance(const OpenLoopRun& run, const MountModel& model);
+    /// @param followed what `run` has taken of it from balances so far, coefficients; nothing if empty
+    SlowBalance(const OpenLoopRun& run, const MountModel& model, Eigen::VectorXd followed = {});
 
+    const Eigen::VectorXd& followed() const { return followed_; }
     /// f_c, Hz: slower motion is balanced.
     double cornerFrequency() const { return corner_; }
     /// What frequencies above this hold is not touched but for contact, Hz.
@@ -39,6 +41,9 @@ public:
 
     /// A⁻¹ Bᵀ R of a residual (6 x samples): coefficients, six for each spline.
     Eigen::VectorXd solve(const Eigen::Ref<const Eigen::MatrixXd>& residual) const;
+    /// A⁻¹ (Bᵀ R + H c) where a run has followed c: H holds it at 0 where the window hides all. Newton's step back.
+    Eigen::VectorXd solveHeld(const Eigen::Ref<const Eigen::MatrixXd>& residual,
+                              const Eigen::Ref<const Eigen::VectorXd>& followed) const;
     /// The same of a force history along a fixed direction.
     Eigen::VectorXd solve(const Eigen::Ref<const Eigen::VectorXd>& force,
                           const Eigen::Matrix<double, 6, 1>& direction) const;
@@ -56,12 +61,16 @@ private:
         double value[3][4];  // derivative, spline
     };
     Weights calcWeights(Eigen::Index sample) const;
+    /// Bᵀ R, six for each spline.
+    Eigen::MatrixXd project(const Eigen::Ref<const Eigen::MatrixXd>& residual) const;
 
     double corner_ = 0, interval_ = 0;
     Eigen::Index splines_ = 0;
-    Eigen::VectorXd taper_;
+    Eigen::VectorXd taper_, followed_;
     Vector6 freedom_;
     std::vector<Matrix6> tangent_;  // of each sample
+    Matrix6 least_;                 // what holds the motion where the window hides it, by `held_` of each spline pair
+    std::vector<double> held_;
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factor_;
 };
 
