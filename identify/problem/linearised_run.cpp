@@ -270,9 +270,9 @@ private:
 
 }  // namespace
 
-LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const ColumnSet& columns,
+LinearisedRun linearise(Lineariser& at, const TestRun& run, const SensorLayout& layout, const ColumnSet& columns,
                         const TestState& state) {
-    const Lineariser at(run, layout, state, Lineariser::Purpose::columns);
+    at.prepareColumns();
     const auto modes = at.hasBracket() ? static_cast<int>(state.model.bracket.size()) : 0;
     const Eigen::Index extra = 2 * modes;
     ColumnMaker maker(at, columns, state, extra);
@@ -334,8 +334,7 @@ LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const Co
     return result;
 }
 
-Information calcMisfit(const TestRun& run, const SensorLayout& layout, const TestState& state) {
-    const Lineariser at(run, layout, state, Lineariser::Purpose::residual);
+Information calcMisfit(const Lineariser& at, const TestRun& run, const SensorLayout& layout, const TestState& state) {
     Information result;
     const auto measure = [&](Block block, const Eigen::MatrixXcd& rows) {
         auto& own = result[indexOf(block)];

@@ -53,11 +53,14 @@ struct LinearisedRun {
     double contact_share = 0;  ///< share of the mount residual's power that lies within contact, 0 … 1
 };
 
+class Lineariser;
+
 /// @param run its motion is that of the sensors as the state has them
-LinearisedRun linearise(const TestRun& run, const SensorLayout& layout, const ColumnSet& columns,
+/// @param[in,out] at of that run and state
+LinearisedRun linearise(Lineariser& at, const TestRun& run, const SensorLayout& layout, const ColumnSet& columns,
                         const TestState& state);
 
 /// Misfit alone: chi-squared and count of each block, weighed by the covariance of the state itself.
-Information calcMisfit(const TestRun& run, const SensorLayout& layout, const TestState& state);
+Information calcMisfit(const Lineariser& at, const TestRun& run, const SensorLayout& layout, const TestState& state);
 
 }  // namespace wems::identify

@@ -23,7 +23,7 @@ constexpr double kOfPass = 0.9;       // and of the low pass
 
 }  // namespace
 
-Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state, Purpose purpose)
+Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state)
     : model_(state.model),
       open_(restoreFastMotion(makeOpenLoopRun(test.motion, model_, test.band, test.swept.hertz), model_)),
       slow_(followSlowMotion(open_, model_)),
@@ -31,10 +31,9 @@ Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const Te
       spectra_(open_, std::max(kCountedFrom * test.band.lowest, slow_ ? slow_->highestBalanced() : open_.lowest),
                std::min(kCountedTo * test.band.highest, kOfPass * open_.pass)),
       motion_noise_(test, layout),
-      noise_(test, open_, model_, motion_noise_, spectra_, slow_.get(), with_bracket_, purpose == Purpose::columns),
+      noise_(test, open_, model_, motion_noise_, spectra_, slow_.get(), with_bracket_),
       bracket_(open_) {
     calcResiduals();
-    if (purpose == Purpose::columns) prepareColumns();
 }
 
 void Lineariser::prepareColumns() {

@@ -20,8 +20,8 @@ namespace wems::identify {
 /// Everything about a run at a state that residual and columns share.
 class Lineariser {
 public:
-    enum class Purpose { residual, columns };
-    Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state, Purpose purpose);
+    /// @param test must outlive this
+    Lineariser(const TestRun& test, const SensorLayout& layout, const TestState& state);
     Lineariser(const Lineariser&) = delete;  // its parts point at each other
     Lineariser& operator=(const Lineariser&) = delete;
 
@@ -32,6 +32,9 @@ public:
 
     /// Whitened residual: 12 x bins, mount above bracket.
     const Eigen::MatrixXcd& residual() const { return white_; }
+
+    /// What the columns need beyond the residual: before any of them.
+    void prepareColumns();
 
     Eigen::MatrixXcd whiten(const Eigen::MatrixXcd& mount, const Eigen::MatrixXcd& bracket) const;
 
@@ -93,10 +96,7 @@ private:
     Modal makeModal(const BracketMode& mode) const;
 
     void calcResiduals();
-    /// What the columns need beyond the residual.
-    void prepareColumns();
-
-    const MountModel& model_;
+    MountModel model_;
     OpenLoopRun open_;
     std::unique_ptr<SlowBalance> slow_;
     bool with_bracket_;

@@ -167,7 +167,7 @@ Matrix6 MotionNoise::covariance(Part part, double w) const {
 }
 
 RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel& model, const MotionNoise& motion,
-                   const EquationSpectra& spectra, const SlowBalance* slow, bool with_bracket, bool with_columns) {
+                   const EquationSpectra& spectra, const SlowBalance* slow, bool with_bracket) {
     const Matrix6 M = calcMassMatrix(model.body);
     const Vector6 freedom = calcFreedom(model.body);
     Eigen::Matrix<double, 6, 12> relative;
@@ -278,7 +278,6 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
         whiteners_.push_back(lower.triangularView<Eigen::Lower>().solve(one));
         for (int i = 0; i < 6; ++i)
             if (freedom[i] == 0) whiteners_.back()(i, i) = 0;  // its equation says nothing
-        if (!with_columns) continue;
         const Matrix12c& inverse = whiteners_.back();
         regressors_.push_back(PA * inverse.adjoint());
         motions_.push_back(inverse * A);

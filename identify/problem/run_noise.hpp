@@ -90,9 +90,8 @@ private:
 /// R(ω) and what its dependence on the model needs, at every bin.
 class RunNoise {
 public:
-    /// @param with_columns false: no more than whitener() and what contact makes is needed
     RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel& model, const MotionNoise& motion,
-             const EquationSpectra& spectra, const SlowBalance* slow, bool with_bracket, bool with_columns);
+             const EquationSpectra& spectra, const SlowBalance* slow, bool with_bracket);
 
     Eigen::Index binCount() const { return static_cast<Eigen::Index>(whiteners_.size()); }
     /// Inverse of R's Cholesky factor at a bin; rows and columns from 6 on belong to the bracket.

@@ -114,8 +114,9 @@ std::optional<MissingMode> findMissingMode(const std::vector<TestRun>& runs, con
     std::vector<std::unique_ptr<Lineariser>> at;
     double lowest = std::numeric_limits<double>::infinity(), highest = 0;
     for (const TestRun& run : runs) {
-        auto own = std::make_unique<Lineariser>(run, layout, state, Lineariser::Purpose::columns);
+        auto own = std::make_unique<Lineariser>(run, layout, state);
         if (!own->hasBracket() || own->spectra().binCount() == 0) continue;
+        own->prepareColumns();
         lowest = std::min(lowest, own->spectra().frequency(0));
         highest = std::max(highest, own->spectra().frequency(own->spectra().binCount() - 1));
         at.push_back(std::move(own));

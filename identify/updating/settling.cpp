@@ -114,9 +114,9 @@ Evidence makeEvidence(const TestProblem& problem, const TestView& view, const Bl
             problem.hypotheses()};
 }
 
-Information sumOf(const TestView& view, bool with_validation) {
-    Information all = view.identification;
-    if (with_validation) add(all, view.validation);
+Information sumOf(const TestInformation& runs, bool with_validation) {
+    Information all = runs.identification;
+    if (with_validation) add(all, runs.validation);
     return all;
 }
 
@@ -190,10 +190,7 @@ BlockScales Settler::settleScales(const Information& all, const HypothesisSet& s
 }
 
 Information Settler::calcActual(const TestPoint& point, bool with_validation) const {
-    const TestMisfit misfit = problem_.misfit(point);
-    Information actual = misfit.identification;
-    if (with_validation) add(actual, misfit.validation);
-    return actual;
+    return sumOf(problem_.misfit(point), with_validation);
 }
 
 double Settler::calcExcess(const TestView& view, const TestPoint& point, const Eigen::VectorXd& estimate,
@@ -259,7 +256,8 @@ int Settler::settle(SetState& state, int most, bool with_validation,
 /// The point towards which a quadratic leads, as far as the equations themselves bear out what it promises. The view
 /// was made at `point`: there the quadratic is what the equations say.
 Settler::Step Settler::advance(const Information& all, const HypothesisSet& set, const BlockScales& scales,
-                               double least, bool with_validation, double first_damping, TestPoint& point) const {
+                               double least, bool with_validation, double first_damping, TestPoint& point,
+                               PointEquations& equations) const {
     const SetEvidence evidence(problem_, all, scales, set, Growth::followed);
     const Eigen::VectorXd present = problem_.estimateOf(point), slope = calcPriorSlope(problem_, present, set);
     const Eigen::VectorXd target =
@@ -276,14 +274,16 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
         double promised = 0, gain = 0;  // by the quadratic; by the equations
         bool falls = true;              // what is left, where it must
         TestPoint point;
+        PointEquations equations;
     };
     const auto reach = [&](const Eigen::VectorXd& at) -> Reached {
         TestPoint next = problem_.pointAt(at, set);
         const double promised = here - objective(at);
-        const Information actual = calcActual(next, with_validation);
+        TestMisfit misfit = problem_.misfit(next);
+        const Information actual = sumOf(misfit, with_validation);
         const double excess = calcExcess(all, at - present, actual, at, scales, Growth::followed);
         const bool falls = calcCost(actual, calcMeanSquares(actual)) + calcPriorSquare(at, set) < cost;
-        return {promised, promised - excess, falls || !must_fall, std::move(next)};
+        return {promised, promised - excess, falls || !must_fall, std::move(next), std::move(misfit.equations)};
     };
     const auto isKept = [](const Reached& reached) { return reached.gain >= kKept * reached.promised; };
     Reached best = reach(target);
@@ -306,6 +306,7 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
     if (!(best.gain > std::max(kGained * least, kPromised * best.promised))) return Step::none;
     if (!best.falls) return Step::contrary;
     point = std::move(best.point);
+    equations = std::move(best.equations);
     return best.gain >= least ? Step::onwards : Step::last;
 }
 
@@ -314,8 +315,9 @@ Settler::Step Settler::improve(SetState& state, bool with_validation, double dam
     Information all = sumOf(state.view, with_validation);
     const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(state.point));
     const double least = std::max(2 * kSettled, kWorthwhile * calcCost(all, misfits));
+    PointEquations equations;
     const auto advanced = [&](const BlockScales& scales) {
-        return advance(all, state.set, scales, least, with_validation, damping, state.point);
+        return advance(all, state.set, scales, least, with_validation, damping, state.point, equations);
     };
     Step step = advanced(scalesOf(misfits));
     if (step == Step::none && damping == 0) step = advanced(settleScales(all, state.set));
@@ -323,14 +325,15 @@ Settler::Step Settler::improve(SetState& state, bool with_validation, double dam
         for (BlockInformation& block : all) block.scatter.resize(0, 0);
         step = advanced(scalesOf(misfits));
     }
-    if (step != Step::none) state.view = problem_.view(state.point, state.set);
+    if (step != Step::none) state.view = problem_.view(state.point, state.set, std::move(equations));
     return step;
 }
 
 TestPoint Settler::refine(TestPoint point, const HypothesisSet& set, const BlockScales& scales, int most) const {
+    PointEquations equations;
     for (int pass = 0; pass < most; ++pass) {
-        const TestView view = problem_.view(point, set);
-        if (advance(sumOf(view, true), set, scales, 2 * kSettled, true, 0, point) != Step::onwards) break;
+        const Information all = sumOf(problem_.view(point, set, std::move(equations)), true);
+        if (advance(all, set, scales, 2 * kSettled, true, 0, point, equations) != Step::onwards) break;
     }
     return point;
 }

@@ -52,7 +52,7 @@ Evidence makeEvidence(const TestProblem& problem, const TestView& view, const Bl
                       bool with_validation);
 
 /// Runs of a view together: the identification runs, or all.
-Information sumOf(const TestView& view, bool with_validation);
+Information sumOf(const TestInformation& runs, bool with_validation);
 
 /// Misfit of each block at an estimate.
 std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& estimate);
@@ -124,8 +124,9 @@ private:
                       const Eigen::VectorXd& estimate, const BlockScales& scales, Growth growth) const;
     BlockScales settleScales(const Information& all, const HypothesisSet& set) const;
     Step improve(SetState& state, bool with_validation, double damping) const;
+    /// @param[out] equations of the point that a step led to
     Step advance(const Information& all, const HypothesisSet& set, const BlockScales& scales, double least,
-                 bool with_validation, double first_damping, TestPoint& point) const;
+                 bool with_validation, double first_damping, TestPoint& point, PointEquations& equations) const;
 
     const TestProblem& problem_;
     double alike_ = 1;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "identify/motion/parallel.hpp"
+#include "identify/problem/lineariser.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "identify/updating/missing_mode.hpp"
 #include "identify/verdict/free_error.hpp"
@@ -229,7 +230,7 @@ void TestProblem::restore(const Memento& memento) {
 
 void TestProblem::seekMissingMode(const TestPoint& point, const HypothesisSet& set) {
     if (catalogue_.missing_mode < 0 || std::binary_search(set.begin(), set.end(), catalogue_.missing_mode)) return;
-    const auto found = findMissingMode(correctRuns(point), layout_, point.state);
+    const auto found = findMissingMode(*correctRuns(point), layout_, point.state);
     if (!found) return;
     TestState with = point.state;
     with.model.bracket.back() = found->mode;
@@ -309,53 +310,68 @@ TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point) cons
     return corrected;
 }
 
-const std::vector<TestRun>& TestProblem::correctRuns(const TestPoint& point) const {
+std::shared_ptr<const std::vector<TestRun>> TestProblem::correctRuns(const TestPoint& point) const {
     const SensorErrors& errors = point.state.sensors;
-    if (errors.isZero()) return runs();
+    if (errors.isZero()) return runs_;
     if (!corrected_ || !(corrected_->errors == errors)) {
         corrected_.reset();
         std::vector<TestRun> corrected(runs().size());
         runParallel(runs().size(), [&](std::size_t r) { corrected[r] = correctRun(runs()[r], point); });
-        corrected_ = CorrectedRuns{errors, std::move(corrected)};
+        corrected_ = CorrectedRuns{errors, std::make_shared<const std::vector<TestRun>>(std::move(corrected))};
     }
     return corrected_->runs;
 }
 
+PointEquations TestProblem::formEquations(const TestPoint& point) const {
+    PointEquations equations{correctRuns(point), {}};
+    const std::vector<TestRun>& runs = *equations.runs;
+    equations.at.resize(runs.size());
+    runParallel(runs.size(),
+                [&](std::size_t r) { equations.at[r] = std::make_shared<Lineariser>(runs[r], layout_, point.state); });
+    return equations;
+}
+
 TestMisfit TestProblem::misfit(const TestPoint& point) const {
-    const std::vector<TestRun>& runs = correctRuns(point);
-    std::vector<Information> own(runs.size());
-    runParallel(runs.size(), [&](std::size_t r) { own[r] = calcMisfit(runs[r], layout_, point.state); });
     TestMisfit sum;
+    sum.equations = formEquations(point);
+    const PointEquations& equations = sum.equations;
+    std::vector<Information> own(equations.at.size());
+    runParallel(own.size(), [&](std::size_t r) {
+        own[r] = calcMisfit(*equations.at[r], (*equations.runs)[r], layout_, point.state);
+    });
     for (std::size_t r = 0; r < own.size(); ++r)
         add(r < identification_count_ ? sum.identification : sum.validation, own[r]);
     return sum;
 }
 
 TestView TestProblem::view(const TestPoint& point) const {
-    if (numbers_ == Numbers::within_tolerances) return view(point, catalogue_.columns);
+    if (numbers_ == Numbers::within_tolerances) return view(point, catalogue_.columns, {});
     HypothesisSet all;
     for (std::size_t h = 0; h < catalogue_.hypotheses.size(); ++h) all.push_back(static_cast<int>(h));
     return view(point, all);
 }
 
-TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set) const {
+TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set, PointEquations equations) const {
     ColumnSet columns = catalogue_.columns;
     columns.wanted.assign(columns.size(), 0);
     for (std::size_t i = 0; i < table_.size(); ++i) columns.wanted[i] = deviationOf(table_[i]) > 0;
     for (const int h : set)
         for (const Direction& direction : catalogue_.hypotheses[h].directions)
             for (const auto& [column, weight] : direction) columns.wanted[column] = 1;
-    return view(point, columns);
+    return view(point, columns, std::move(equations));
 }
 
-TestView TestProblem::view(const TestPoint& point, ColumnSet columns) const {
+TestView TestProblem::view(const TestPoint& point, ColumnSet columns, PointEquations equations) const {
     columns.table = &table_;  // of this copy
     TestView result;
     result.at = point;
-    const std::vector<TestRun>& runs = correctRuns(point);
+    if (equations.at.empty()) equations = formEquations(point);
+    const std::vector<TestRun>& runs = *equations.runs;
     result.runs.resize(runs.size());
-    runParallel(runs.size(),
-                [&](std::size_t r) { result.runs[r] = linearise(runs[r], layout_, columns, point.state); });
+    runParallel(runs.size(), [&](std::size_t r) {
+        result.runs[r] = linearise(*equations.at[r], runs[r], layout_, columns, point.state);
+        equations.at[r].reset();
+    });
     Eigen::VectorXd offset = -estimateOf(point);
     for (std::size_t r = 0; r < runs.size(); ++r)
         add(r < identification_count_ ? result.identification : result.validation,

@@ -22,15 +22,26 @@ struct TestPoint {
     Eigen::VectorXd values;  ///< of each column; those of probes are zero
 };
 
-/// What all runs say about a point.
-struct TestView {
-    Information identification, validation;  ///< about the believed values
-    std::vector<LinearisedRun> runs;         ///< identification runs, then validation runs
+/// Sums over the runs of either kind.
+struct TestInformation {
+    Information identification, validation;
+};
+
+/// What all runs say about a point, its information about the believed values.
+struct TestView : TestInformation {
+    std::vector<LinearisedRun> runs;  ///< identification runs, then validation runs
     TestPoint at;
 };
 
-struct TestMisfit {
-    Information identification, validation;
+/// What misfit and columns of a point share.
+struct PointEquations {
+    std::shared_ptr<const std::vector<TestRun>> runs;  ///< as the point's sensors had them
+    std::vector<std::shared_ptr<Lineariser>> at;       ///< of each run
+};
+
+/// χ² and count alone.
+struct TestMisfit : TestInformation {
+    PointEquations equations;
 };
 
 /// What is believed of the numbers that no hypothesis of a set moves. The corner of AC coupling, which no model states,
@@ -97,7 +108,8 @@ public:
     /// With the columns of all hypotheses.
     TestView view(const TestPoint& point) const;
     /// With those alone that tolerances and the members of a set move: for the steps of this set.
-    TestView view(const TestPoint& point, const HypothesisSet& set) const;
+    /// @param equations of the point, as its misfit left them; formed here if empty
+    TestView view(const TestPoint& point, const HypothesisSet& set, PointEquations equations = {}) const;
     /// χ² and count of each block, without derivatives, each run corrected and weighed as the point itself has it.
     TestMisfit misfit(const TestPoint& point) const;
     /// Gives back the memory of the recordings as the last point's sensors had them.
@@ -107,14 +119,15 @@ public:
     MountModel cleanModel(const TestPoint& point) const;
 
 private:
-    TestView view(const TestPoint& point, ColumnSet columns) const;
+    TestView view(const TestPoint& point, ColumnSet columns, PointEquations equations) const;
+    PointEquations formEquations(const TestPoint& point) const;
     bool isAdopted(int hypothesis) const;
     /// Prior standard deviation of a row outside all hypotheses.
     double deviationOf(const Unknown& row) const;
     /// A run as exact sensors would have recorded it, where they err.
     TestRun correctRun(const TestRun& run, const TestPoint& point) const;
-    /// All of them; the last ones are kept, since a step's columns follow its misfit. Not to be called by two threads.
-    const std::vector<TestRun>& correctRuns(const TestPoint& point) const;
+    /// All of them; the last ones are kept. Not to be called by two threads.
+    std::shared_ptr<const std::vector<TestRun>> correctRuns(const TestPoint& point) const;
 
     MountModel believed_;
     SensorLayout layout_;
@@ -127,7 +140,7 @@ private:
     Memento pristine_;  // before any adoption
     struct CorrectedRuns {
         SensorErrors errors;
-        std::vector<TestRun> runs;
+        std::shared_ptr<const std::vector<TestRun>> runs;
     };
     mutable std::optional<CorrectedRuns> corrected_;
 };

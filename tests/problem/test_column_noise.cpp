@@ -29,7 +29,7 @@ TEST_CASE("Noise slopes by shared sums are those of each column by itself") {
     const updating::TestProblem problem({recordRun(model, plan, random)}, {}, model);
     const TestState state = problem.believedPoint().state;
     const TestRun& run = problem.runs().front();
-    const Lineariser at(run, problem.layout(), state, Lineariser::Purpose::columns);
+    const Lineariser at(run, problem.layout(), state);
     ColumnNoise noise(at.run(), state.model, at.spectra(), at.noise(), at.residual());
     const SensorColumns sensors(run, problem.layout(), at.run(), at.spectra(), at.motionNoise(), problem.table(), {});
     int laws = 0, modes = 0, errors = 0;
