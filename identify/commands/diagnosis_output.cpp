@@ -31,6 +31,16 @@ nlohmann::json makeParameters(const std::vector<CauseParameter>& parameters, boo
     return list;
 }
 
+nlohmann::json makeFitted(const std::vector<FittedSet>& sets) {
+    auto list = nlohmann::json::array();
+    for (const auto& own : sets)
+        list.push_back({{"causes", own.causes},
+                        {"log_evidence", numberOrNull(own.log_evidence)},
+                        {"error", own.error ? numberOrNull(*own.error) : nullptr},
+                        {"outcome", own.outcome}});
+    return list;
+}
+
 /// What was tried in which order.
 nlohmann::json makeDecisions(const std::vector<Decision>& decisions) {
     auto list = nlohmann::json::array();
@@ -45,7 +55,8 @@ nlohmann::json makeDecisions(const std::vector<Decision>& decisions) {
                         {"log_evidence", numberOrNull(decision.log_evidence)},
                         {"misfit", decision.misfit},
                         {"error", numberOrNull(decision.error)},
-                        {"candidates", candidates}});
+                        {"candidates", candidates},
+                        {"fitted", makeFitted(decision.fitted)}});
     }
     return list;
 }
@@ -103,6 +114,15 @@ std::vector<std::vector<std::string>> tabulateCandidates(const Decision& decisio
     std::vector<std::vector<std::string>> rows;
     for (const auto& candidate : decision.candidates)
         rows.push_back({candidate.cause, joinWords(candidate.where, " "), formatNumber(candidate.log_odds, 4)});
+    return rows;
+}
+
+std::vector<std::vector<std::string>> tabulateFitted(const Decision& decision) {
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& own : decision.fitted)
+        rows.push_back({own.causes.empty() ? "no cause" : joinWords(own.causes, ", "),
+                        formatNumber(own.log_evidence, 4), own.error ? formatNumber(100 * *own.error, 3) : "",
+                        own.outcome});
     return rows;
 }
 
@@ -167,6 +187,9 @@ std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
         Table table({"candidate", "where", "log odds"});
         for (const auto& row : tabulateCandidates(diagnosis.decisions[r])) table.addRow(row);
         if (!table.empty()) text += table.format(style);
+        Table fitted(kFittedColumns);
+        for (const auto& row : tabulateFitted(diagnosis.decisions[r])) fitted.addRow(row);
+        if (!fitted.empty()) text += fitted.format(style);
     }
     Table adjusted({"adjusted within its tolerance", "believed", "±", "value", "95 % interval", "unit"});
     for (const auto& row : tabulateAdjustments(diagnosis)) adjusted.addRow(row);

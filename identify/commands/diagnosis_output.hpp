@@ -17,6 +17,8 @@ nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis);
 /// A round of the search as a sentence, and its candidates with their log odds.
 std::string describeDecision(const Decision& decision);
 std::vector<std::vector<std::string>> tabulateCandidates(const Decision& decision);
+inline const std::vector<std::string> kFittedColumns{"fitted", "log evidence", "error %", "outcome"};
+std::vector<std::vector<std::string>> tabulateFitted(const Decision& decision);
 /// Name, believed value, tolerance, value, interval and unit of each number that moved within its tolerance.
 std::vector<std::vector<std::string>> tabulateAdjustments(const Diagnosis& diagnosis);
 /// A row for each parameter of each cause: cause, probability and gain in its first row, then name, value, 95 %

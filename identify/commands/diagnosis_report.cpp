@@ -87,10 +87,15 @@ void addDecisions(const Diagnosis& diagnosis, HtmlReport& page) {
             : "All numbers are taken as exact but those of the causes. In each round every cause of the "
               "catalogue is weighed at every place, and the best few are fitted. Log odds are those of the "
               "causes taken so far with the candidate, over those without, before it was fitted.");
+    page.addText(
+        "Log evidence is that of a fitted set over the set that the round began with. The error of the "
+        "prediction is given where it was simulated.");
     for (std::size_t r = 0; r < diagnosis.decisions.size(); ++r) {
         page.addText("Round " + std::to_string(r + 1) + ": " + describeDecision(diagnosis.decisions[r]) + ".");
         const auto rows = tabulateCandidates(diagnosis.decisions[r]);
         if (!rows.empty()) page.addTable({"candidate", "where", "log odds"}, rows);
+        const auto fitted = tabulateFitted(diagnosis.decisions[r]);
+        if (!fitted.empty()) page.addTable(kFittedColumns, fitted);
     }
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "identify/updating/naming.hpp"
 #include "identify/updating/standing.hpp"
 
 namespace wems::identify::updating {
@@ -65,16 +66,9 @@ private:
     /// A number of an axis that has its tolerance under a set.
     std::optional<Axis> axisOf(std::size_t row, const HypothesisSet& set) const {
         const Unknown& number = problem_.table()[row];
-        if (number.kind != UnknownKind::law || !(number.deviation > 0) || isFreed(static_cast<int>(row), set))
+        if (number.kind != UnknownKind::law || !(number.deviation > 0) || isFreed(problem_, set, static_cast<int>(row)))
             return std::nullopt;
         return Axis{number.first, number.second};
-    }
-
-    bool isFreed(int row, const HypothesisSet& set) const {
-        return std::any_of(set.begin(), set.end(), [&](int h) {
-            const auto& freed = problem_.hypotheses()[h].reported;
-            return std::find(freed.begin(), freed.end(), row) != freed.end();
-        });
     }
 
     /// The axis whose numbers cost most of the prior. A number within its tolerance costs one by expectation.
@@ -105,7 +99,8 @@ private:
         std::vector<int> candidates;
         for (int h = 0; h < static_cast<int>(problem_.hypotheses().size()); ++h) {
             const Hypothesis& own = problem_.hypotheses()[h];
-            if (own.moves.empty() || own.reported.size() != 1 || isFreed(own.reported.front(), present_.set) ||
+            if (own.moves.empty() || own.reported.size() != 1 ||
+                isFreed(problem_, present_.set, own.reported.front()) ||
                 stretched.square < 2 * (kUnlikely - own.log_prior))
                 continue;
             const Unknown& number = problem_.table()[own.reported.front()];

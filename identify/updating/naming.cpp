@@ -37,6 +37,12 @@ std::string describe(const Hypothesis& hypothesis) {
     return text;
 }
 
+std::vector<std::string> describe(const TestProblem& problem, const HypothesisSet& set) {
+    std::vector<std::string> causes;
+    for (const int h : set) causes.push_back(describe(problem.hypotheses()[h]));
+    return causes;
+}
+
 std::string signatureOf(const TestProblem& problem, const HypothesisSet& set) {
     std::vector<std::string> statements;
     for (const int h : set) {
@@ -82,6 +88,26 @@ bool isBeyondTolerance(const TestProblem& problem, const Hypothesis& hypothesis,
         if (is_beyond != of_each) return is_beyond;
     }
     return of_each;
+}
+
+bool isFreed(const TestProblem& problem, const HypothesisSet& set, int row) {
+    return std::any_of(set.begin(), set.end(), [&](int h) {
+        const auto& freed = problem.hypotheses()[h].reported;
+        return std::find(freed.begin(), freed.end(), row) != freed.end();
+    });
+}
+
+double calcRelief(const TestProblem& problem, const SetState& before, const SetState& after) {
+    double relief = 0;
+    for (int i = 0; i < static_cast<int>(problem.table().size()); ++i) {
+        const Unknown& row = rowOf(problem, i);
+        const double moved = before.point.values[i] - row.believed;
+        if (!(row.deviation > 0) || isFreed(problem, before.set, i) || std::abs(moved) <= toleranceOf(row)) continue;
+        // A number within its tolerance costs one by expectation.
+        const double left = isFreed(problem, after.set, i) ? row.deviation : after.point.values[i] - row.believed;
+        relief += 0.5 * (moved * moved - left * left) / (row.deviation * row.deviation);
+    }
+    return relief;
 }
 
 double calcBeyondProbability(const TestProblem& problem, const Hypothesis& hypothesis, const TestPoint& point,

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "identify/updating/settling.hpp"
 
@@ -11,6 +12,7 @@ namespace wems::identify::updating {
 
 /// `clearance 4.z.+ 4.z.-`
 std::string describe(const Hypothesis& hypothesis);
+std::vector<std::string> describe(const TestProblem& problem, const HypothesisSet& set);
 
 /// What a set says, where and of which numbers: two sets of one statement differ only in where they began to look.
 std::string signatureOf(const TestProblem& problem, const HypothesisSet& set);
@@ -24,6 +26,13 @@ bool isToleranced(const TestProblem& problem, const Hypothesis& hypothesis);
 /// Whether a number of the hypothesis lies beyond its tolerance (2 standard deviations of its prior), and that of each
 /// place if each has its own; mechanisms always do.
 bool isBeyondTolerance(const TestProblem& problem, const Hypothesis& hypothesis, const TestPoint& point);
+
+/// Whether a set moves a number of the table freely.
+bool isFreed(const TestProblem& problem, const HypothesisSet& set, int row);
+
+/// Log prior that numbers beyond their tolerances in one state get back in another, which frees them or has them closer
+/// to what is believed.
+double calcRelief(const TestProblem& problem, const SetState& before, const SetState& after);
 
 /// Probability that a number of the hypothesis lies beyond its tolerance, on either side, the likeliest of them; of
 /// places with a number each, the unlikeliest.

@@ -67,7 +67,7 @@ private:
         result_.beyond[hypothesis] = probability;
         Decision decision;
         decision.action = "beyond its tolerance: " + describe(at(hypothesis));
-        for (const int h : state_.set) decision.causes.push_back(describe(at(h)));
+        decision.causes = describe(problem_, state_.set);
         decision.misfit = calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point));
         decision.error = standing_.judged.error;
         result_.decisions.push_back(decision);

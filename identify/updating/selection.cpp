@@ -25,13 +25,13 @@ constexpr int kMostSettling = 16;  // Gauss–Newton steps
 
 class Selector {
 public:
-    Selector(TestProblem& problem, const FreeJudge& judge, const ProgressListener& progress)
+    Selector(TestProblem& problem, const FreeJudge& judge, const BandJudge& band, const ProgressListener& progress)
         : problem_(problem),
           judge_(judge),
           progress_(progress),
           settler_(problem),
           settled_(problem, settler_, judge_),
-          tolerant_(problem, settler_, judge_, progress_) {}
+          tolerant_(problem, settler_, judge_, band, progress_) {}
 
     Selection run() {
         tell("equations of motion");
@@ -104,13 +104,13 @@ private:
             decision.action = "exact numbers ask for more causes";
             return conclude(decision, false);
         }
-        const bool changed = exact ? settled_.takeBest(evidence, candidates, standing_, decision.action)
-                                   : tolerant_.takeBest(evidence, candidates, standing_, decision.action);
+        const bool changed = exact ? settled_.takeBest(evidence, candidates, standing_, decision)
+                                   : tolerant_.takeBest(evidence, candidates, standing_, decision);
         return conclude(decision, changed);
     }
 
     bool conclude(Decision& decision, bool changed) {
-        for (const int h : state_.set) decision.causes.push_back(describe(at(h)));
+        decision.causes = describe(problem_, state_.set);
         decision.error = standing_.judged.error;
         result_.decisions.push_back(decision);
         return changed;
@@ -203,8 +203,9 @@ double Selection::probabilityOf(int hypothesis) const {
     return all > 0 ? with / all : 0;
 }
 
-Selection selectCauses(TestProblem& problem, const FreeJudge& judge, const ProgressListener& progress) {
-    return Selector(problem, judge, progress).run();
+Selection selectCauses(TestProblem& problem, const FreeJudge& judge, const BandJudge& band,
+                       const ProgressListener& progress) {
+    return Selector(problem, judge, band, progress).run();
 }
 
 }  // namespace wems::identify::updating

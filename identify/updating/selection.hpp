@@ -30,6 +30,8 @@ struct Selection {
 };
 
 /// @param progress may be empty
-Selection selectCauses(TestProblem& problem, const FreeJudge& judge, const ProgressListener& progress);
+/// @param band may be empty: then predictions count as known
+Selection selectCauses(TestProblem& problem, const FreeJudge& judge, const BandJudge& band,
+                       const ProgressListener& progress);
 
 }  // namespace wems::identify::updating

@@ -22,7 +22,7 @@ SettledSearch::SettledSearch(TestProblem& problem, const Settler& settler, const
     : problem_(problem), settler_(settler), judge_(judge) {}
 
 bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
-                             std::string& action) {
+                             Decision& decision) {
     const Settled present = assess(standing.state);
     const bool satisfied = isSatisfied(present.misfits);
     const double least = evidence.calcLogEvidence(present.state.set) - kUnlikely;
@@ -47,16 +47,23 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
     std::sort(tried.begin(), tried.end(),
               [](const Settled& a, const Settled& b) { return a.log_evidence > b.log_evidence; });
     Settled best = present;
+    std::size_t record = 0;  // of the best
     std::vector<RankedSet> ranked{{best.state.set, best.log_evidence}};
     for (std::size_t i = 0; i < tried.size(); ++i) {
         problem_.adopt(tried[i].state.set);
         if (i < kFurtherSets) tried[i] = settleFurther(tried[i], present, best);
         const bool possible = isPossibleAnswer(tried[i].state.set, tried[i].state.point);
         problem_.restore(before);
+        decision.fitted.push_back({describe(problem_, tried[i].state.set),
+                                   tried[i].log_evidence - present.log_evidence,
+                                   {},
+                                   possible ? kLessLikely : kImpossible});
         if (!possible) continue;
         ranked.push_back({tried[i].state.set, tried[i].log_evidence});
         standing.settled.insert_or_assign(tried[i].state.set, tried[i].state.point);
-        if (tried[i].log_evidence > best.log_evidence) best = tried[i];
+        if (!(tried[i].log_evidence > best.log_evidence)) continue;
+        best = tried[i];
+        record = decision.fitted.size() - 1;
     }
     // What was settled in earlier rounds is still what it was: rivals of what was taken then.
     for (const RankedSet& earlier : standing.ranked)
@@ -66,23 +73,26 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
     std::sort(ranked.begin(), ranked.end(),
               [](const RankedSet& a, const RankedSet& b) { return a.log_evidence > b.log_evidence; });
     const bool better = best.state.set != present.state.set, carries = better && carriesItsCauses(best, present);
+    if (better && !carries) decision.fitted[record].outcome = "takes no half of what the equations leave";
     if (ahead_ && !carries) {
         finish(standing);
-        action = "the last cause is taken back: the equations leave no half of what they left";
+        decision.action = "the last cause is taken back: the equations leave no half of what they left";
         return false;
     }
     // One more that is to show itself later is worth its time only where nothing else follows this search.
     if (!better || (!carries && !problem_.exactlyKnown())) {
         standing.ranked = std::move(ranked);
-        action = "nothing more to add, take away or exchange";
+        decision.action = "nothing more to add, take away or exchange";
         return false;
     }
     problem_.adopt(best.state.set);
     const FreeError judged = judge_(best.state.point, best.state.set);
+    decision.fitted[record].error = judged.error;
     if (!isWorthExplaining(standing.judged) && judged.error > (1 + kWorth) * standing.judged.error) {
         problem_.restore(before);
+        decision.fitted[record].outcome = kSpoils;
         standing.ranked = {{present.state.set, present.log_evidence}};
-        action = "a fault of sensors is not taken: the prediction is worse with it";
+        decision.action = "a fault of sensors is not taken: the prediction is worse with it";
         return false;
     }
     if (carries)
@@ -92,7 +102,8 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
     standing.judged = judged;
     standing.state = std::move(best.state);
     standing.ranked = std::move(ranked);
-    action = "causes changed";
+    decision.fitted[record].outcome = kTaken;
+    decision.action = "causes changed";
     return true;
 }
 

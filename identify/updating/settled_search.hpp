@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "identify/updating/standing.hpp"
+#include "identify/verdict/diagnosis.hpp"
 
 namespace wems::identify::updating {
 
@@ -20,10 +21,10 @@ public:
 
     /// Moves to the best of the candidates, if one is better than the present set.
     /// @param evidence of the view at the present state
-    /// @param[out] action what was done, one sentence
+    /// @param[out] decision what was done, and the sets that were fitted
     /// @return whether the set changed
     bool takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
-                  std::string& action);
+                  Decision& decision);
     /// Whether a larger set is more likely by far, by the quadratic about a state that satisfies the equations.
     bool findsMore(const Evidence& evidence, const std::vector<RankedSet>& candidates, const Standing& standing) const;
     /// Takes back a cause that was still to show that it carries its part.

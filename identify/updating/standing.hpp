@@ -20,6 +20,15 @@ inline constexpr double kUnlikely = 5;
 /// Free simulation of the runs that judge, without the faults of sensors that the set names.
 using FreeJudge = std::function<FreeError(const TestPoint&, const HypothesisSet&)>;
 
+/// Error of that simulation that noise and what the numbers of a state leave open allow, 95 %.
+using BandJudge = std::function<double(const SetState&, const Posterior&)>;
+
+/// What becomes of a set that was fitted, and of one that is not the likeliest.
+inline const char* const kTaken = "taken";
+inline const char* const kLessLikely = "less likely";
+inline const char* const kImpossible = "its numbers cannot be";
+inline const char* const kSpoils = "the prediction is worse with it";
+
 /// Where a search stands: the causes so far, what the simulation makes of them, and the sets that were weighed last.
 struct Standing {
     SetState state;

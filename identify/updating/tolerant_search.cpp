@@ -40,20 +40,22 @@ void keepRivals(const Standing& standing, std::vector<RankedSet>& ranked) {
 }  // namespace
 
 TolerantSearch::TolerantSearch(TestProblem& problem, const Settler& settler, const FreeJudge& judge,
-                               const ProgressListener& progress)
-    : problem_(problem), settler_(settler), judge_(judge), progress_(progress) {}
+                               const BandJudge& band, const ProgressListener& progress)
+    : problem_(problem), settler_(settler), judge_(judge), band_(band), progress_(progress) {}
 
 bool TolerantSearch::takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
-                              std::string& action) {
+                              Decision& decision) {
     const SetState& present = standing.state;
     const Information all = sumOf(present.view, true);
     const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(present.point));
     excess_ = calcExcessOf(misfits);
     noise_alone_ = isNoiseAlone(all, misfits);
     if (!isHopeful(evidence, candidates, present)) {
-        action = "no cause takes half of what the equations leave";
+        decision.action = "no cause takes half of what the equations leave";
         return false;
     }
+    present_ = settler_.calcLogEvidence(present);
+    fitted_.clear();
     std::vector<Trial> trials = tryBest(problem_, settler_, present, evidence, candidates);
     int attempts = kMostAttempts;
     std::optional<Attempt> best = findServing(trials, standing, attempts);
@@ -72,7 +74,8 @@ bool TolerantSearch::takeBest(const Evidence& evidence, const std::vector<Ranked
         keepRivals(standing, ranked);
     sortByEvidence(ranked);
     standing.ranked = std::move(ranked);
-    action = changed ? "causes changed" : "nothing more to add, take away or exchange";
+    decision.action = changed ? "causes changed" : "nothing more to add, take away or exchange";
+    decision.fitted = std::move(fitted_);
     return changed;
 }
 
@@ -101,7 +104,7 @@ std::optional<TolerantSearch::Attempt> TolerantSearch::findServing(std::vector<T
         if (!best && trial.log_evidence > present) {
             if (attempts == 0) continue;
             --attempts;
-            Attempt attempt = settle(trial);
+            Attempt attempt = settle(trial, standing.state);
             if (!serves(attempt, standing)) continue;
             best = std::move(attempt);
         }
@@ -130,7 +133,7 @@ std::vector<RankedSet> TolerantSearch::weighRivals(Attempt& best, std::vector<Tr
             if (other_causes && shifts.count(causes) > 0) continue;
             --attempts;
             tell("rival");
-            Attempt rival = settle(trial);
+            Attempt rival = settle(trial, standing.state);
             settled[trial.set] = rival.log_evidence;
             double& gained = shifts.emplace(causes, rival.log_evidence - trial.log_evidence).first->second;
             gained = std::max(gained, rival.log_evidence - trial.log_evidence);
@@ -141,7 +144,7 @@ std::vector<RankedSet> TolerantSearch::weighRivals(Attempt& best, std::vector<Tr
             else
                 wanting.insert(trial.set);
         }
-    std::vector<RankedSet> ranked{{present, settler_.calcLogEvidence(standing.state)}};
+    std::vector<RankedSet> ranked{{present, present_}};
     for (const Trial& trial : trials) {
         if (trial.set == present || wanting.count(trial.set) > 0) continue;
         const auto own = settled.find(trial.set);
@@ -159,21 +162,19 @@ void TolerantSearch::weighFreshStarts(std::optional<Attempt>& best, const Standi
     const SetState& reached = best ? best->state : standing.state;
     const std::vector<Trial> starts = startAfresh(problem_, settler_, standing.state, reached);
     if (starts.empty()) return;
-    const double present = settler_.calcLogEvidence(standing.state);
     for (const Trial& start : starts) {
         tell("rival");
-        const double least = best ? best->log_evidence : present;
-        Attempt fresh = settle(start, least);
-        // Without it numbers of its axis lie beyond their tolerances: it is needed though the prediction is as good.
-        fresh.needed = fresh.needed || fresh.log_evidence > present + kUnlikely;
+        const double least = best ? best->log_evidence : present_;
+        Attempt fresh = settle(start, standing.state, least);
         if (!(fresh.log_evidence > least) || !serves(fresh, standing)) continue;
-        if (!best) ranked = {{standing.state.set, present}};
+        if (!best) ranked = {{standing.state.set, present_}};
         ranked.push_back({start.set, fresh.log_evidence});
         best = std::move(fresh);
     }
 }
 
 void TolerantSearch::take(Attempt best, Standing& standing) {
+    fitted_[best.record].outcome = kTaken;
     problem_.adopt(best.state.set);
     const HypothesisSet& before = standing.state.set;
     if (best.needed)
@@ -183,7 +184,8 @@ void TolerantSearch::take(Attempt best, Standing& standing) {
     standing.judged = best.judged;
 }
 
-TolerantSearch::Attempt TolerantSearch::settle(const Trial& trial, std::optional<double> rival) {
+TolerantSearch::Attempt TolerantSearch::settle(const Trial& trial, const SetState& present,
+                                               std::optional<double> rival) {
     const TestProblem::Memento before = problem_.adopt(trial.set);
     Attempt attempt;
     SetState& next = attempt.state;
@@ -196,8 +198,10 @@ TolerantSearch::Attempt TolerantSearch::settle(const Trial& trial, std::optional
         settler_.compete(next, kMostAfresh, *rival);
     else
         settler_.settle(next, kMostRefining, true);
-    attempt.needed = isNeeded(next);
     attempt.log_evidence = settler_.calcLogEvidence(next);
+    attempt.needed = isNeeded(next) || (attempt.log_evidence > present_ + kUnlikely && isRelief(next, present));
+    attempt.record = fitted_.size();
+    fitted_.push_back({describe(problem_, next.set), attempt.log_evidence - present_, {}, kLessLikely});
     problem_.restore(before);
     return attempt;
 }
@@ -206,34 +210,55 @@ TolerantSearch::Attempt TolerantSearch::settle(const Trial& trial, std::optional
 bool TolerantSearch::serves(Attempt& attempt, const Standing& standing) {
     const TestProblem::Memento before = problem_.adopt(attempt.state.set);
     attempt.judged = judge_(attempt.state.point, attempt.state.set);
-    const bool worthwhile = isWorthwhile(attempt, standing);
+    const char* const refusal = findRefusal(attempt, standing);
     problem_.restore(before);
-    return worthwhile;
+    FittedSet& record = fitted_[attempt.record];
+    record.error = attempt.judged.error;
+    if (refusal) record.outcome = refusal;
+    return !refusal;
 }
 
-bool TolerantSearch::isWorthwhile(const Attempt& attempt, const Standing& standing) const {
+const char* TolerantSearch::findRefusal(const Attempt& attempt, const Standing& standing) const {
     const SetState& next = attempt.state;
     const HypothesisSet& present = standing.state.set;
-    if (!isPossible(problem_, next.set, problem_.estimateOf(next.point))) return false;
+    if (!isPossible(problem_, next.set, problem_.estimateOf(next.point))) return kImpossible;
     bool must_improve = false, blames_sensor = false;
     for (const int h : next.set) {
         if (std::binary_search(present.begin(), present.end(), h)) continue;
         const Hypothesis& hypothesis = problem_.hypotheses()[h];
-        if (!isBeyondTolerance(problem_, hypothesis, next.point)) return false;
+        if (!isBeyondTolerance(problem_, hypothesis, next.point)) return "its numbers lie within their tolerances";
         const bool sensor = isSensorFault(hypothesis);
         blames_sensor = blames_sensor || sensor;
         must_improve = must_improve || (!attempt.needed && !sensor);
     }
-    if (must_improve) return isImproved(standing.judged, attempt.judged);
+    if (must_improve)
+        return isImproved(standing.judged, attempt.judged) ? nullptr : "the prediction is no better with it";
     // A fault of sensors has no part in the prediction: whatever is worse with it was made up for by others.
-    return blames_sensor ? attempt.judged.error <= (1 + kWorth) * standing.judged.error
-                         : !isSpoilt(standing.judged, attempt.judged);
+    const bool spoilt = blames_sensor ? !(attempt.judged.error <= (1 + kWorth) * standing.judged.error)
+                                      : isSpoilt(standing.judged, attempt.judged);
+    // Where contact amplifies small differences, a prediction is some per cent better or worse by chance.
+    return spoilt && (blames_sensor || !isWithinBand(attempt)) ? kSpoils : nullptr;
+}
+
+/// Whether noise and what its numbers leave open make as much of an attempt's prediction.
+bool TolerantSearch::isWithinBand(const Attempt& attempt) const {
+    const SetState& state = attempt.state;
+    return band_ && attempt.judged.error <=
+                        band_(state, makeEvidence(problem_, state.view, state.scales, true).calcPosterior(state.set));
 }
 
 /// Whether equations that leave more than noise leave half of what exceeds it with a set.
 bool TolerantSearch::isNeeded(const SetState& next) const {
     return !noise_alone_ &&
            calcExcessOf(calcMisfits(sumOf(next.view, true), problem_.estimateOf(next.point))) < 0.5 * excess_;
+}
+
+/// Whether what numbers beyond their tolerances get back outweighs by far the prior odds of the causes that are added.
+bool TolerantSearch::isRelief(const SetState& next, const SetState& present) const {
+    double odds = 0;
+    for (const int h : next.set)
+        if (!std::binary_search(present.set.begin(), present.set.end(), h)) odds += problem_.hypotheses()[h].log_prior;
+    return calcRelief(problem_, present, next) > kUnlikely - odds;
 }
 
 std::string TolerantSearch::nameCauses(const HypothesisSet& set) const {

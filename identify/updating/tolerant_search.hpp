@@ -15,15 +15,16 @@ namespace wems::identify::updating {
 
 class TolerantSearch {
 public:
-    TolerantSearch(TestProblem& problem, const Settler& settler, const FreeJudge& judge,
+    /// @param band may be empty: then the prediction counts as known
+    TolerantSearch(TestProblem& problem, const Settler& settler, const FreeJudge& judge, const BandJudge& band,
                    const ProgressListener& progress);
 
     /// Moves to the likeliest set that serves the prediction or the equations.
     /// @param evidence of the view at the present state, with the columns of all hypotheses
-    /// @param[out] action what was done, one sentence
+    /// @param[out] decision what was done, and the sets that were fitted
     /// @return whether the set changed
     bool takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
-                  std::string& action);
+                  Decision& decision);
 
     /// Causes without which, when they were taken, the equations left twice as much or numbers beyond their tolerances.
     const std::vector<int>& needed() const { return needed_; }
@@ -35,6 +36,7 @@ private:
         FreeError judged;
         bool needed = false;      ///< the equations leave twice as much without it, or numbers beyond their tolerances
         double log_evidence = 0;  ///< with a discrepancy whose size is not known
+        std::size_t record = 0;   ///< in fitted_
     };
 
     void tell(const std::string& text) const;
@@ -45,18 +47,24 @@ private:
     void weighFreshStarts(std::optional<Attempt>& best, const Standing& standing, std::vector<RankedSet>& ranked);
     void take(Attempt best, Standing& standing);
     /// @param rival log evidence that a trial from far away has to reach
-    Attempt settle(const Trial& trial, std::optional<double> rival = std::nullopt);
+    Attempt settle(const Trial& trial, const SetState& present, std::optional<double> rival = std::nullopt);
     bool serves(Attempt& attempt, const Standing& standing);
-    bool isWorthwhile(const Attempt& attempt, const Standing& standing) const;
+    /// Why a set does not serve; null if it does.
+    const char* findRefusal(const Attempt& attempt, const Standing& standing) const;
+    bool isWithinBand(const Attempt& attempt) const;
     bool isNeeded(const SetState& next) const;
+    bool isRelief(const SetState& next, const SetState& present) const;
     std::string nameCauses(const HypothesisSet& set) const;
 
     TestProblem& problem_;
     const Settler& settler_;
     const FreeJudge& judge_;
+    const BandJudge& band_;
     const ProgressListener& progress_;
     double excess_ = 0;         // of the equations at the round's state, beyond the noise
     bool noise_alone_ = false;  // whether it is none
+    double present_ = 0;        // log evidence of the round's set
+    std::vector<FittedSet> fitted_;
     std::vector<int> needed_;
 };
 

@@ -62,7 +62,11 @@ public:
             judged.driven = *driven;
             return judged;
         };
-        selection_ = selectCauses(problem_, predict, options_.progress);
+        const BandJudge band = [&](const SetState& state, const Posterior& posterior) {
+            const double floor = judging_.calcNoiseFloor(problem_.cleanModel(state.point), kSeed);
+            return calcBand(state.set, state.point, posterior, floor);
+        };
+        selection_ = selectCauses(problem_, predict, band, options_.progress);
         problem_.forgetCorrected();
     }
 
@@ -103,19 +107,20 @@ private:
         result_.error_after = errorOf(selection_.state.point, selection_.state.set);
         tell("prediction band");
         const double fitted = judging_.calcError(selection_.fitted, selection_.state.set).error;
-        result_.prediction_band = calcBand(selection_.fitted, selection_.fitted_noise);
+        const auto band = [&](const TestPoint& point, const Posterior& posterior) {
+            return calcBand(selection_.state.set, point, posterior, result_.noise_floor.validation);
+        };
+        result_.prediction_band = band(selection_.fitted, selection_.fitted_noise);
         left_ = isLeft(std::min(fitted, result_.error_after.validation));
         if (left_ || result_.error_after.validation <= result_.prediction_band) return;
         // What the identification runs never reached may still move the prediction: its band is wider.
-        result_.prediction_band =
-            std::max(*result_.prediction_band, calcBand(selection_.state.point, selection_.noise));
+        result_.prediction_band = std::max(*result_.prediction_band, band(selection_.state.point, selection_.noise));
         left_ = isLeft(result_.error_after.validation);
     }
 
-    double calcBand(const TestPoint& point, const Posterior& posterior) const {
-        const FreeRuns::Corrected corrected = judging_.correct(point, selection_.state.set);
-        return calcPredictionBand(problem_, selection_.state.set, point, posterior, corrected.runs, judging_.first(),
-                                  result_.noise_floor.validation, kSeed);
+    double calcBand(const HypothesisSet& set, const TestPoint& point, const Posterior& posterior, double floor) const {
+        const FreeRuns::Corrected corrected = judging_.correct(point, set);
+        return calcPredictionBand(problem_, set, point, posterior, corrected.runs, judging_.first(), floor, kSeed);
     }
 
     /// Contract, section 6: more than band, noise and what is worth naming. The band of a run that amplifies small

@@ -53,6 +53,14 @@ struct RankedCause {
     double log_odds = 0;  ///< of the set with it over the set that the round began with
 };
 
+/// A set of causes that a round fitted, and what became of it.
+struct FittedSet {
+    std::vector<std::string> causes;  ///< `clearance 4.z.+`
+    double log_evidence = 0;          ///< at its own end, over the set that the round began with at its own
+    std::optional<double> error;      ///< of the prediction, where it was simulated
+    std::string outcome;              ///< `taken`, or why not
+};
+
 /// What a round tried and did.
 struct Decision {
     std::string action;                   ///< one sentence
@@ -61,6 +69,7 @@ struct Decision {
     std::vector<double> misfit;           ///< chi-squared per value: mount, bracket, mobile and fixed sensors
     double error = 0;                     ///< of the prediction after the round
     std::vector<RankedCause> candidates;  ///< the best few
+    std::vector<FittedSet> fitted;        ///< in the order in which they were tried
 };
 
 /// Misfit of the mount's equation along the runs that judge, per value, in bands of an eighth of an octave; 1 for a

@@ -2,9 +2,12 @@
 // construction.
 #include <Eigen/Core>
 #include <catch2/catch.hpp>
+#include <random>
 
 #include "identify/updating/naming.hpp"
 #include "identify/verdict/free_error.hpp"
+#include "tests/diagnose/hidden_device.hpp"
+#include "tests/seed.hpp"
 
 using namespace wems::identify;
 
@@ -79,4 +82,34 @@ TEST_CASE("Naming: a cause's part of the error is less than a twentieth, or less
     // Without it √(0.1² + 0.05²) = 0.112 where the noise is half of what is left.
     CHECK(isBelowNoise({0.1, 0.05}, {0.11, 0.05}));
     CHECK_FALSE(isBelowNoise({0.1, 0.05}, {0.114, 0.05}));
+}
+
+TEST_CASE("Naming: numbers beyond their tolerances give back what they cost") {
+    const unsigned seed = wems::test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const wems::MountModel model = testing::makeRandomDevice(random);
+    testing::RunPlan plan;
+    plan.duration = 2;
+    plan.force = {40, 30, 60};
+    const updating::TestProblem problem({recordRun(model, plan, random)}, {}, model);
+    const auto own = static_cast<int>(findUnknown(problem.table(), "1.z.stiffness")),
+               other = static_cast<int>(findUnknown(problem.table(), "2.z.stiffness"));
+    const auto at = [&](double first, double second) {
+        updating::SetState state;
+        state.point = problem.believedPoint();
+        state.point.values[own] += first * problem.table()[own].deviation;
+        state.point.values[other] += second * problem.table()[other].deviation;
+        return state;
+    };
+    updating::SetState named = at(-7, 0);
+    for (int h = 0; h < static_cast<int>(problem.hypotheses().size()); ++h)
+        if (updating::describe(problem.hypotheses()[h]) == "elastomer_stiffness 1.z") named.set = {h};
+    REQUIRE(named.set.size() == 1);
+    // A normal prior, in log: half of the square. What lies within two deviations has nothing to give.
+    CHECK(updating::calcRelief(problem, at(-7, 1.9), at(1, 0)) == Approx(0.5 * (49 - 1)));
+    CHECK(updating::calcRelief(problem, at(-7, 3), at(-7, 0)) == Approx(0.5 * 9));
+    CHECK(updating::calcRelief(problem, at(-7, 0), named) == Approx(0.5 * (49 - 1)));
+    CHECK(updating::calcRelief(problem, named, at(0, 0)) == Approx(0).margin(1e-12));
+    CHECK(updating::calcRelief(problem, at(3, 0), at(7, 0)) == Approx(0.5 * (9 - 49)));
 }

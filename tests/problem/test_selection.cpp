@@ -23,12 +23,6 @@ Recording recordIt(const MountModel& truth, std::mt19937_64& random) {
     return recordRun(truth, plan, random);
 }
 
-std::vector<std::string> listCauses(const TestProblem& problem, const Selection& selection) {
-    std::vector<std::string> causes;
-    for (const int h : selection.state.set) causes.push_back(describe(problem.hypotheses()[h]));
-    return causes;
-}
-
 constexpr double kLittle = 0.02;  // error of a prediction that asks for nothing
 
 FreeError predictLittle(const TestPoint& /*point*/, const HypothesisSet& /*set*/) {
@@ -55,7 +49,7 @@ TEST_CASE("A number beyond its tolerance has a name where the prediction needs i
             const bool beyond = std::abs(point.values[row] - number.believed) > 2.01 * number.deviation;
             return {(beyond ? 1.0 : 5.0) * (set.empty() ? 1.0 : 1.1) * error, 0.1 * kLittle};
         };
-        return listCauses(problem, selectCauses(problem, judge, {}));
+        return describe(problem, selectCauses(problem, judge, {}, {}).state.set);
     };
     // About the jumps of a sweep a prediction is some per cent better or worse for no reason.
     const std::vector<std::string> causes = find(kLittle);
@@ -76,7 +70,13 @@ TEST_CASE("A mechanism that halves what the equations leave is a cause though th
     for (auto& connection : truth.connections) connection.axis[2].drift = -0.02;
     const auto find = [&](const MountModel& device) {
         TestProblem problem({recordIt(device, random)}, {}, believed);
-        return listCauses(problem, selectCauses(problem, predictLittle, {}));
+        const Selection selection = selectCauses(problem, predictLittle, {}, {});
+        for (const Decision& decision : selection.decisions) {
+            const auto taken = std::count_if(decision.fitted.begin(), decision.fitted.end(),
+                                             [](const FittedSet& own) { return own.outcome == kTaken; });
+            CHECK(taken == (decision.action == "causes changed" ? 1 : 0));
+        }
+        return describe(problem, selection.state.set);
     };
     const std::vector<std::string> causes = find(truth), none = find(believed);
     CAPTURE(causes, none);
@@ -107,8 +107,8 @@ TEST_CASE("Places that move alike share the probability of a mechanism", "[updat
     const double ratio = std::uniform_real_distribution<double>(0.2, 0.4)(random);
     truth.connections[hidden].axis[2].relaxation = {{ratio, 0.02}};
     TestProblem problem({recordIt(truth, random)}, {}, believed);
-    const Selection selection = selectCauses(problem, predictLittle, {});
-    const std::vector<std::string> causes = listCauses(problem, selection);
+    const Selection selection = selectCauses(problem, predictLittle, {}, {});
+    const std::vector<std::string> causes = describe(problem, selection.state.set);
     CAPTURE(hidden, ratio, causes);
     REQUIRE(causes.size() == 1);
     CHECK(causes.front().rfind("relaxation", 0) == 0);

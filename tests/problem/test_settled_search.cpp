@@ -28,15 +28,16 @@ public:
     }
 
     bool findsMore() { return makeSearch().findsMore(makeOwnEvidence(), listCandidates(), standing_); }
-    bool takeBest(std::string& action) {
-        return makeSearch().takeBest(makeOwnEvidence(), listCandidates(), standing_, action);
+    bool takeBest(Decision& decision) {
+        return makeSearch().takeBest(makeOwnEvidence(), listCandidates(), standing_, decision);
     }
     /// The one cause that is taken.
     const Hypothesis& takeOne() {
-        std::string action;
-        REQUIRE(takeBest(action));
-        CAPTURE(action);
+        Decision decision;
+        REQUIRE(takeBest(decision));
+        CAPTURE(decision.action);
         REQUIRE(standing_.state.set.size() == 1);
+        checkRecord(decision);
         return problem_.hypotheses()[standing_.state.set.front()];
     }
     double valueOf(const std::string& name) const {
@@ -57,6 +58,22 @@ private:
         FreeError judged;
         judged.error = 0.5;
         return judged;
+    }
+    /// The one that was taken is the likeliest of those that can be.
+    void checkRecord(const Decision& decision) const {
+        int taken = 0;
+        double own = 0, most = 0;
+        for (const FittedSet& fitted : decision.fitted) {
+            if (fitted.outcome != kImpossible) most = std::max(most, fitted.log_evidence);
+            if (fitted.outcome != kTaken) continue;
+            ++taken;
+            own = fitted.log_evidence;
+            CHECK(fitted.causes == describe(problem_, standing_.state.set));
+            CHECK(fitted.error == 0.5);
+        }
+        CHECK(taken == 1);
+        CHECK(own > 0);
+        CHECK(own == most);
     }
     Evidence makeOwnEvidence() const {
         return makeEvidence(problem_, standing_.state.view, standing_.state.scales, true);
