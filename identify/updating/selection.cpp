@@ -137,16 +137,18 @@ private:
         return !isWorthless(standing_.judged, without) && !(doubtful && isBelowNoise(standing_.judged, without));
     }
 
-    /// Causes of earlier rounds without which the prediction is as good by now.
+    /// Causes of earlier rounds without which the prediction is as good by now, and numbers that others have put back
+    /// within their tolerances: those are none.
     void dropWorthless() {
         const std::vector<int>& needed = tolerant_.needed();
         for (bool changed = true; changed;) {
             changed = false;
             const Evidence evidence = ownEvidence();
             for (const int h : state_.set) {
-                if (isSensorFault(at(h)) || result_.beyond.count(h) > 0 ||
-                    std::find(needed.begin(), needed.end(), h) != needed.end() ||
-                    isWorthKeeping(judge_(holdBack(problem_, state_, h, evidence), state_.set)))
+                const bool is_none = !isBeyondTolerance(problem_, at(h), state_.point);
+                if (!is_none && (isSensorFault(at(h)) || result_.beyond.count(h) > 0 ||
+                                 std::find(needed.begin(), needed.end(), h) != needed.end() ||
+                                 isWorthKeeping(judge_(holdBack(problem_, state_, h, evidence), state_.set))))
                     continue;
                 state_.set.erase(std::find(state_.set.begin(), state_.set.end(), h));
                 problem_.adopt(state_.set);
