@@ -189,7 +189,7 @@ std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
         if (!table.empty()) text += table.format(style);
         Table fitted(kFittedColumns);
         for (const auto& row : tabulateFitted(diagnosis.decisions[r])) fitted.addRow(row);
-        if (!fitted.empty()) text += fitted.format(style);
+        if (!fitted.empty()) text += "\n" + fitted.format(style);
     }
     Table adjusted({"adjusted within its tolerance", "believed", "±", "value", "95 % interval", "unit"});
     for (const auto& row : tabulateAdjustments(diagnosis)) adjusted.addRow(row);

@@ -52,12 +52,14 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
     for (std::size_t i = 0; i < tried.size(); ++i) {
         problem_.adopt(tried[i].state.set);
         if (i < kFurtherSets) tried[i] = settleFurther(tried[i], present, best);
-        const bool possible = isPossibleAnswer(tried[i].state.set, tried[i].state.point);
+        const SetState& state = tried[i].state;
+        const bool possible = isPossibleAnswer(state.set, state.point);
+        const bool imaginable = possible || isPossible(problem_, state.set, problem_.estimateOf(state.point));
         problem_.restore(before);
-        decision.fitted.push_back({describe(problem_, tried[i].state.set),
+        decision.fitted.push_back({describe(problem_, state.set),
                                    tried[i].log_evidence - present.log_evidence,
                                    {},
-                                   possible ? kLessLikely : kImpossible});
+                                   possible ? kLessLikely : (imaginable ? kWithin : kImpossible)});
         if (!possible) continue;
         ranked.push_back({tried[i].state.set, tried[i].log_evidence});
         standing.settled.insert_or_assign(tried[i].state.set, tried[i].state.point);

@@ -27,6 +27,7 @@ using BandJudge = std::function<double(const SetState&, const Posterior&)>;
 inline const char* const kTaken = "taken";
 inline const char* const kLessLikely = "less likely";
 inline const char* const kImpossible = "its numbers cannot be";
+inline const char* const kWithin = "its numbers lie within their tolerances";
 inline const char* const kSpoils = "the prediction is worse with it";
 
 /// Where a search stands: the causes so far, what the simulation makes of them, and the sets that were weighed last.

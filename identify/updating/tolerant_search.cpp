@@ -226,7 +226,7 @@ const char* TolerantSearch::findRefusal(const Attempt& attempt, const Standing& 
     for (const int h : next.set) {
         if (std::binary_search(present.begin(), present.end(), h)) continue;
         const Hypothesis& hypothesis = problem_.hypotheses()[h];
-        if (!isBeyondTolerance(problem_, hypothesis, next.point)) return "its numbers lie within their tolerances";
+        if (!isBeyondTolerance(problem_, hypothesis, next.point)) return kWithin;
         const bool sensor = isSensorFault(hypothesis);
         blames_sensor = blames_sensor || sensor;
         must_improve = must_improve || (!attempt.needed && !sensor);

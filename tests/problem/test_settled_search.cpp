@@ -64,7 +64,7 @@ private:
         int taken = 0;
         double own = 0, most = 0;
         for (const FittedSet& fitted : decision.fitted) {
-            if (fitted.outcome != kImpossible) most = std::max(most, fitted.log_evidence);
+            if (fitted.outcome != kImpossible && fitted.outcome != kWithin) most = std::max(most, fitted.log_evidence);
             if (fitted.outcome != kTaken) continue;
             ++taken;
             own = fitted.log_evidence;
