@@ -39,6 +39,7 @@ struct ColumnSet {
     std::vector<Probe> probes;
     std::vector<LoadHat> hats;
     std::vector<char> wanted;  ///< columns that are formed; empty: all. The others say nothing.
+    void wantNone() { wanted.assign(size(), 0); }
     bool wants(std::size_t column) const { return wanted.empty() || wanted[column] != 0; }
     Eigen::Index size() const { return static_cast<Eigen::Index>(rows + probes.size() + hats.size()); }
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "identify/motion/parallel.hpp"
@@ -346,14 +347,14 @@ TestMisfit TestProblem::misfit(const TestPoint& point) const {
 
 TestView TestProblem::view(const TestPoint& point) const {
     if (numbers_ == Numbers::within_tolerances) return view(point, catalogue_.columns, {});
-    HypothesisSet all;
-    for (std::size_t h = 0; h < catalogue_.hypotheses.size(); ++h) all.push_back(static_cast<int>(h));
+    HypothesisSet all(catalogue_.hypotheses.size());
+    std::iota(all.begin(), all.end(), 0);
     return view(point, all);
 }
 
 TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set, PointEquations equations) const {
     ColumnSet columns = catalogue_.columns;
-    columns.wanted.assign(columns.size(), 0);
+    columns.wantNone();
     for (std::size_t i = 0; i < table_.size(); ++i) columns.wanted[i] = deviationOf(table_[i]) > 0;
     for (const int h : set)
         for (const Direction& direction : catalogue_.hypotheses[h].directions)
@@ -361,21 +362,26 @@ TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set, Poi
     return view(point, columns, std::move(equations));
 }
 
+TestView TestProblem::viewAlone(const TestPoint& point) const {
+    ColumnSet columns = catalogue_.columns;
+    columns.wantNone();
+    return view(point, columns, {});
+}
+
 TestView TestProblem::view(const TestPoint& point, ColumnSet columns, PointEquations equations) const {
     columns.table = &table_;  // of this copy
-    TestView result;
-    result.at = point;
     if (equations.at.empty()) equations = formEquations(point);
     const std::vector<TestRun>& runs = *equations.runs;
+    TestView result;
+    result.at = point;
     result.runs.resize(runs.size());
     runParallel(runs.size(), [&](std::size_t r) {
         result.runs[r] = linearise(*equations.at[r], runs[r], layout_, columns, point.state);
         equations.at[r].reset();
     });
-    Eigen::VectorXd offset = -estimateOf(point);
     for (std::size_t r = 0; r < runs.size(); ++r)
         add(r < identification_count_ ? result.identification : result.validation,
-            shiftToBelieved(result.runs[r].information, offset));
+            shiftToBelieved(result.runs[r].information, -estimateOf(point)));
     return result;
 }
 

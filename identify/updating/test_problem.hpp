@@ -110,6 +110,8 @@ public:
     /// With those alone that tolerances and the members of a set move: for the steps of this set.
     /// @param equations of the point, as its misfit left them; formed here if empty
     TestView view(const TestPoint& point, const HypothesisSet& set, PointEquations equations = {}) const;
+    /// Without columns: what the equations leave.
+    TestView viewAlone(const TestPoint& point) const;
     /// χ² and count of each block, without derivatives, each run corrected and weighed as the point itself has it.
     TestMisfit misfit(const TestPoint& point) const;
     /// Gives back the memory of the recordings as the last point's sensors had them.

@@ -355,8 +355,8 @@ private:
 
     /// Of the mount's equation along the runs that judge, as believed and as answered.
     void addSpectrum() {
-        result_.spectrum = calcMisfitSpectrum(problem_.view(problem_.believedPoint(), HypothesisSet{}),
-                                              problem_.view(selection_.state.point, HypothesisSet{}), firstJudging());
+        result_.spectrum =
+            calcMisfitSpectrum(problem_.viewAlone(problem_.believedPoint()), selection_.state.view, firstJudging());
     }
 
     /// Runs that judge: the last ones if there are such for validation, else all.
