@@ -70,10 +70,6 @@ std::vector<double> calcMeanSquares(const Information& actual) {
     return misfits;
 }
 
-bool hasBursts(const Information& all) {
-    return std::any_of(all.begin(), all.end(), [](const BlockInformation& block) { return block.scatter.size() > 0; });
-}
-
 /// C⁻¹ ε on the columns that a set moves, C their prior covariance: the slope of −log prior there.
 Eigen::VectorXd calcPriorSlope(const TestProblem& problem, const Eigen::VectorXd& estimate, const HypothesisSet& set) {
     const Eigen::VectorXd deviation = problem.deviations();
@@ -128,6 +124,10 @@ std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& e
 
 double calcExcessOf(const std::vector<double>& misfits) {
     return *std::max_element(misfits.begin(), misfits.end()) - 1;
+}
+
+bool hasBursts(const Information& all) {
+    return std::any_of(all.begin(), all.end(), [](const BlockInformation& block) { return block.scatter.size() > 0; });
 }
 
 std::vector<double> calcScatter(const Information& all) {

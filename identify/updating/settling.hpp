@@ -60,6 +60,9 @@ std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& e
 /// Beyond the noise, of the block that leaves most.
 double calcExcessOf(const std::vector<double>& misfits);
 
+/// Whether noise comes in bursts, as in contact: V of information.hpp.
+bool hasBursts(const Information& all);
+
 /// Standard deviations of a misfit: less is noise, which any number may halve.
 inline constexpr double kBeyondNoise = 1.96;
 /// Standard deviation of each block's misfit if the model is perfect.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "identify/updating/fresh_start.hpp"
+#include "identify/updating/log_odds.hpp"
 #include "identify/updating/naming.hpp"
 
 namespace wems::identify::updating {
@@ -50,12 +51,21 @@ bool TolerantSearch::takeBest(const Evidence& evidence, const std::vector<Ranked
     const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(present.point));
     excess_ = calcExcessOf(misfits);
     noise_alone_ = isNoiseAlone(all, misfits);
-    if (!isHopeful(evidence, candidates, present)) {
-        decision.action = "no cause takes half of what the equations leave";
-        return false;
-    }
     present_ = settler_.calcLogEvidence(present);
     fitted_.clear();
+    reached_.insert(present.set);
+    if (std::optional<Attempt> fewer = findFewer(evidence, standing)) {
+        standing.ranked = {{fewer->state.set, fewer->log_evidence}, {present.set, present_}};
+        take(std::move(*fewer), standing);
+        decision.action = "causes changed";
+        decision.fitted = std::move(fitted_);
+        return true;
+    }
+    if (!isHopeful(evidence, candidates, present)) {
+        decision.action = "no cause takes half of what the equations leave";
+        decision.fitted = std::move(fitted_);
+        return false;
+    }
     std::vector<Trial> trials = tryBest(problem_, settler_, present, evidence, candidates);
     int attempts = kMostAttempts;
     std::optional<Attempt> best = findServing(trials, standing, attempts);
@@ -77,6 +87,24 @@ bool TolerantSearch::takeBest(const Evidence& evidence, const std::vector<Ranked
     decision.action = changed ? "causes changed" : "nothing more to add, take away or exchange";
     decision.fitted = std::move(fitted_);
     return changed;
+}
+
+/// The likeliest set with one cause less than the present one that is more so and serves: what was taken first may have
+/// stood for what was taken after it, and only its own steps lead a set from where the other cause had a part.
+std::optional<TolerantSearch::Attempt> TolerantSearch::findFewer(const Evidence& evidence, const Standing& standing) {
+    const SetState& present = standing.state;
+    std::optional<Attempt> best;
+    for (const int h : present.set) {
+        Trial trial{present.set, holdBack(problem_, present, h, evidence), 0};
+        trial.set.erase(std::find(trial.set.begin(), trial.set.end(), h));
+        if (!reached_.insert(trial.set).second) continue;
+        tell("without a cause");
+        const double least = best ? best->log_evidence : present_;
+        Attempt attempt = settle(trial, present, least);
+        if (best) compare(attempt, *best);
+        if (attempt.log_evidence > least && serves(attempt, standing)) best = std::move(attempt);
+    }
+    return best;
 }
 
 /// Whether some set would leave at most half of what exceeds the noise, by the quadratic, or that is little anyway.
@@ -106,7 +134,10 @@ std::optional<TolerantSearch::Attempt> TolerantSearch::findServing(std::vector<T
             --attempts;
             Attempt attempt = settle(trial, standing.state);
             if (!serves(attempt, standing)) continue;
-            best = std::move(attempt);
+            if (attempt.log_evidence > present_)
+                best = std::move(attempt);
+            else
+                trial.log_evidence = present + attempt.log_evidence - present_;
         }
         left.push_back(std::move(trial));
     }
@@ -134,6 +165,7 @@ std::vector<RankedSet> TolerantSearch::weighRivals(Attempt& best, std::vector<Tr
             --attempts;
             tell("rival");
             Attempt rival = settle(trial, standing.state);
+            compare(rival, best);
             settled[trial.set] = rival.log_evidence;
             double& gained = shifts.emplace(causes, rival.log_evidence - trial.log_evidence).first->second;
             gained = std::max(gained, rival.log_evidence - trial.log_evidence);
@@ -166,6 +198,7 @@ void TolerantSearch::weighFreshStarts(std::optional<Attempt>& best, const Standi
         tell("rival");
         const double least = best ? best->log_evidence : present_;
         Attempt fresh = settle(start, standing.state, least);
+        if (best) compare(fresh, *best);
         if (!(fresh.log_evidence > least) || !serves(fresh, standing)) continue;
         if (!best) ranked = {{standing.state.set, present_}};
         ranked.push_back({start.set, fresh.log_evidence});
@@ -198,12 +231,19 @@ TolerantSearch::Attempt TolerantSearch::settle(const Trial& trial, const SetStat
         settler_.compete(next, kMostAfresh, *rival);
     else
         settler_.settle(next, kMostRefining, true);
-    attempt.log_evidence = settler_.calcLogEvidence(next);
+    attempt.log_evidence = present_ + calcLogOdds(problem_, settler_, next, present);
     attempt.needed = isNeeded(next) || (attempt.log_evidence > present_ + kUnlikely && isRelief(next, present));
     attempt.record = fitted_.size();
     fitted_.push_back({describe(problem_, next.set), attempt.log_evidence - present_, {}, kLessLikely});
     problem_.restore(before);
     return attempt;
+}
+
+/// Weighs a set against the best one directly: of what both gain over the present set, bursts of noise leave as much
+/// unknown as the present set is far from either.
+void TolerantSearch::compare(Attempt& attempt, const Attempt& best) {
+    attempt.log_evidence = best.log_evidence + calcLogOdds(problem_, settler_, attempt.state, best.state);
+    fitted_[attempt.record].log_evidence = attempt.log_evidence - present_;
 }
 
 /// Whether what a settled set adds lies beyond its tolerance and serves the prediction or the equations.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,7 @@ private:
     };
 
     void tell(const std::string& text) const;
+    std::optional<Attempt> findFewer(const Evidence& evidence, const Standing& standing);
     bool isHopeful(const Evidence& evidence, const std::vector<RankedSet>& candidates, const SetState& present) const;
     std::optional<Attempt> findServing(std::vector<Trial>& trials, const Standing& standing, int& attempts);
     std::vector<RankedSet> weighRivals(Attempt& best, std::vector<Trial>& trials, const Standing& standing,
@@ -48,6 +50,7 @@ private:
     void take(Attempt best, Standing& standing);
     /// @param rival log evidence that a trial from far away has to reach
     Attempt settle(const Trial& trial, const SetState& present, std::optional<double> rival = std::nullopt);
+    void compare(Attempt& attempt, const Attempt& best);
     bool serves(Attempt& attempt, const Standing& standing);
     /// Why a set does not serve; null if it does.
     const char* findRefusal(const Attempt& attempt, const Standing& standing) const;
@@ -66,6 +69,7 @@ private:
     double present_ = 0;        // log evidence of the round's set
     std::vector<FittedSet> fitted_;
     std::vector<int> needed_;
+    std::set<HypothesisSet> reached_;  // sets that were settled to their end and judged
 };
 
 }  // namespace wems::identify::updating
