@@ -5,7 +5,9 @@
 #include <limits>
 #include <utility>
 
+#include "identify/updating/log_odds.hpp"
 #include "identify/updating/naming.hpp"
+#include "identify/updating/rivals.hpp"
 
 namespace wems::identify::updating {
 namespace {
@@ -52,6 +54,7 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
     for (std::size_t i = 0; i < tried.size(); ++i) {
         problem_.adopt(tried[i].state.set);
         if (i < kFurtherSets) tried[i] = settleFurther(tried[i], present, best);
+        tried[i].log_evidence = best.log_evidence + calcLogOdds(problem_, settler_, tried[i].state, best.state);
         const SetState& state = tried[i].state;
         const bool possible = isPossibleAnswer(state.set, state.point);
         const bool imaginable = possible || isPossible(problem_, state.set, problem_.estimateOf(state.point));
@@ -67,11 +70,8 @@ bool SettledSearch::takeBest(const Evidence& evidence, const std::vector<RankedS
         best = tried[i];
         record = decision.fitted.size() - 1;
     }
-    // What was settled in earlier rounds is still what it was: rivals of what was taken then.
-    for (const RankedSet& earlier : standing.ranked)
-        if (std::none_of(ranked.begin(), ranked.end(),
-                         [&](const RankedSet& own) { return own.members == earlier.members; }))
-            ranked.push_back(earlier);
+    keepRivals(standing, ranked);
+    carryRivals(standing, best.state.set, ranked);
     std::sort(ranked.begin(), ranked.end(),
               [](const RankedSet& a, const RankedSet& b) { return a.log_evidence > b.log_evidence; });
     const bool better = best.state.set != present.state.set, carries = better && carriesItsCauses(best, present);

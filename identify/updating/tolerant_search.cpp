@@ -8,6 +8,7 @@
 #include "identify/updating/fresh_start.hpp"
 #include "identify/updating/log_odds.hpp"
 #include "identify/updating/naming.hpp"
+#include "identify/updating/rivals.hpp"
 
 namespace wems::identify::updating {
 namespace {
@@ -19,23 +20,6 @@ constexpr int kMostAfresh = 16;
 void sortByEvidence(std::vector<RankedSet>& ranked) {
     std::sort(ranked.begin(), ranked.end(),
               [](const RankedSet& a, const RankedSet& b) { return a.log_evidence > b.log_evidence; });
-}
-
-/// Rivals of the present set from the round that took it: about a state that has it, they are far from what they would
-/// be by themselves.
-void keepRivals(const Standing& standing, std::vector<RankedSet>& ranked) {
-    const auto find = [](const std::vector<RankedSet>& sets, const HypothesisSet& members) {
-        return std::find_if(sets.begin(), sets.end(), [&](const RankedSet& own) { return own.members == members; });
-    };
-    const HypothesisSet& present = standing.state.set;
-    const auto taken = find(standing.ranked, present), now = find(ranked, present);
-    if (taken == standing.ranked.end() || now == ranked.end()) return;
-    const double shift = now->log_evidence - taken->log_evidence;
-    std::vector<RankedSet> rivals;
-    for (const RankedSet& earlier : standing.ranked)
-        if (earlier.members.size() == present.size() && find(ranked, earlier.members) == ranked.end())
-            rivals.push_back({earlier.members, earlier.log_evidence + shift});
-    ranked.insert(ranked.end(), rivals.begin(), rivals.end());
 }
 
 }  // namespace
@@ -78,10 +62,12 @@ bool TolerantSearch::takeBest(const Evidence& evidence, const std::vector<Ranked
         if (trial.set != present.set) standing.settled.insert_or_assign(trial.set, std::move(trial.point));
     weighFreshStarts(best, standing, ranked);
     const bool changed = best.has_value();
-    if (changed)
+    if (changed) {
+        carryRivals(standing, best->state.set, ranked);
         take(std::move(*best), standing);
-    else
+    } else {
         keepRivals(standing, ranked);
+    }
     sortByEvidence(ranked);
     standing.ranked = std::move(ranked);
     decision.action = changed ? "causes changed" : "nothing more to add, take away or exchange";
