@@ -107,18 +107,16 @@ TEST_CASE("A set that the equations need may be worse by what its own band allow
     std::mt19937_64 random(seed);
     const MountModel believed = identify::testing::makeRandomDevice(random);
     const double worse = 1.3;
-    const auto isTaken = [&](const BandJudge& band) {
-        std::mt19937_64 own(seed);
-        Round round(scale(believed, 1.5), believed, own, worse);
-        round.beginWith({});
-        return round.take(band);
-    };
+    Round round(scale(believed, 1.5), believed, random, worse);
+    round.beginWith({});
     const auto allow = [](double error) {
         return [error](const SetState& /*state*/, const Posterior& /*posterior*/) { return error; };
     };
-    CHECK_FALSE(isTaken({}));
-    CHECK_FALSE(isTaken(allow(0.99 * worse * kError)));
-    CHECK(isTaken(allow(1.01 * worse * kError)));
+    CHECK_FALSE(round.take());
+    CHECK_FALSE(round.take(allow(0.99 * worse * kError)));
+    CHECK(round.causes().empty());
+    CHECK(round.take(allow(1.01 * worse * kError)));
+    CHECK(round.causes() == std::vector<std::string>{kName});
 }
 
 // The one that was taken first moves back to its tolerance when another is there: it is settled without.
