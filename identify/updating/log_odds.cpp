@@ -14,7 +14,7 @@ Information viewWith(TestProblem& problem, const SetState& state, const Hypothes
     std::set_union(state.set.begin(), state.set.end(), other.begin(), other.end(), std::back_inserter(both));
     if (both == state.set) return sumOf(state.view, true);
     const TestProblem::Memento before = problem.adopt(both);
-    const Information all = sumOf(problem.view(state.point, both), true);
+    Information all = sumOf(problem.view(state.point, both), true);
     problem.restore(before);
     return all;
 }

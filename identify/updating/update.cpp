@@ -236,7 +236,7 @@ private:
                                 std::back_inserter(joined));
             if (joined.size() != 1 || entry.members.size() != selection_.state.set.size()) continue;
             const Hypothesis& rival = at(joined.front());
-            if (rival.cause == cause.cause && sharesPlace(rival, at(own))) {
+            if (rival.cause == at(own).cause && sharesPlace(rival, at(own))) {
                 same += probability;
                 continue;
             }

@@ -115,6 +115,7 @@ TEST_CASE("Another simulator's hidden effects are found", "[diagnose]") {
         const auto diagnosis = diagnoseExample("example_1");
         REQUIRE(diagnosis.causes.size() == 1);
         CHECK(diagnosis.causes[0].cause == "clearance");
+        CHECK(listNamed(diagnosis) == std::vector<std::string>{"clearance"});
         CHECK(diagnosis.causes[0].where == std::vector<std::string>{"2.z.+"});
         CHECK_FALSE(std::isfinite(diagnosis.causes[0].parameters.at(0).value));
     }
