@@ -144,4 +144,27 @@ std::optional<MissingMode> findMissingMode(const std::vector<TestRun>& runs, con
     return missing;
 }
 
+double calcModeReach(const BracketMode& mode, const Unknown& row) {
+    if (row.kind == UnknownKind::mode) return row.second == 0 ? 0.2 * mode.frequency : 2 * mode.damping_ratio;
+    const Eigen::Vector3d parts[] = {mode.translation, mode.rotation, mode.load_translation, mode.base_participation};
+    const double own = parts[row.second / 3].cwiseAbs().maxCoeff();
+    return own > 0 ? own : row.reach;
+}
+
+Direction makeModeDirection(const MissingMode& missing, const Unknown& row, int index) {
+    constexpr int kLoad = 6;  // entries of the interface before those of the load
+    const int entry = row.second;
+    if (row.kind != UnknownKind::shape || !missing.load_by_shape || entry >= kLoad + 3) return {{index, row.reach}};
+    if (entry >= kLoad) {
+        const double scatter = missing.load_scatter[entry - kLoad];
+        return scatter > 0 ? Direction{{index, scatter}} : Direction{};
+    }
+    Direction direction{{index, row.reach}};
+    for (int a = 0; a < 3; ++a) {
+        const double follows = (*missing.load_by_shape)(a, entry);
+        if (follows != 0) direction.emplace_back(index - entry + kLoad + a, follows * row.reach);
+    }
+    return direction;
+}
+
 }  // namespace wems::identify

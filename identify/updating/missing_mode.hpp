@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "identify/problem/linearised_run.hpp"
+#include "identify/problem/unknown.hpp"
+#include "identify/solve/evidence.hpp"
 
 namespace wems::identify {
 
@@ -26,5 +28,12 @@ struct MissingMode {
 /// driven. Directions in which nothing acted are not determined.
 std::optional<MissingMode> findMissingMode(const std::vector<TestRun>& runs, const SensorLayout& layout,
                                            const TestState& state);
+
+/// How far a number of a mode may lie from where it was found.
+double calcModeReach(const BracketMode& mode, const Unknown& row);
+
+/// How a number of a missing mode may move, and what moves along.
+/// @param index of its row; rows of a mode's shape follow each other
+Direction makeModeDirection(const MissingMode& missing, const Unknown& row, int index);
 
 }  // namespace wems::identify

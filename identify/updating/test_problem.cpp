@@ -41,32 +41,6 @@ void addDormantMode(MountModel& model, double frequency) {
     model.bracket.push_back(mode);
 }
 
-/// How far a number of a mode may lie from where it was found.
-double calcModeReach(const BracketMode& mode, const Unknown& row) {
-    if (row.kind == UnknownKind::mode) return row.second == 0 ? 0.2 * mode.frequency : 2 * mode.damping_ratio;
-    const Eigen::Vector3d parts[] = {mode.translation, mode.rotation, mode.load_translation, mode.base_participation};
-    const double own = parts[row.second / 3].cwiseAbs().maxCoeff();
-    return own > 0 ? own : row.reach;
-}
-
-/// How a number of a missing mode may move, and what moves along.
-/// @param index of its row; rows of a mode's shape follow each other
-Direction makeModeDirection(const MissingMode& missing, const Unknown& row, int index) {
-    constexpr int kLoad = 6;  // entries of the interface before those of the load
-    const int entry = row.second;
-    if (row.kind != UnknownKind::shape || !missing.load_by_shape || entry >= kLoad + 3) return {{index, row.reach}};
-    if (entry >= kLoad) {
-        const double scatter = missing.load_scatter[entry - kLoad];
-        return scatter > 0 ? Direction{{index, scatter}} : Direction{};
-    }
-    Direction direction{{index, row.reach}};
-    for (int a = 0; a < 3; ++a) {
-        const double follows = (*missing.load_by_shape)(a, entry);
-        if (follows != 0) direction.emplace_back(index - entry + kLoad + a, follows * row.reach);
-    }
-    return direction;
-}
-
 bool isDormant(const BracketMode& mode) {
     return mode.translation.isZero(0.0) && mode.rotation.isZero(0.0);
 }
