@@ -71,12 +71,20 @@ private:
         return Axis{number.first, number.second};
     }
 
+    /// A set without what frees several numbers one by one: a cause of one number may do as well.
+    HypothesisSet withoutPairs(HypothesisSet set) const {
+        const auto isPair = [&](int h) { return problem_.hypotheses()[h].directions.size() > 1; };
+        set.erase(std::remove_if(set.begin(), set.end(), isPair), set.end());
+        return set;
+    }
+
     /// The axis whose numbers cost most of the prior. A number within its tolerance costs one by expectation.
     std::optional<Stretched> findStretched(const SetState& best) const {
         const Eigen::VectorXd estimate = problem_.estimateOf(best.point);
+        const HypothesisSet held = withoutPairs(best.set);
         std::map<Axis, double> squares;
         for (std::size_t i = 0; i < problem_.table().size(); ++i)
-            if (const auto axis = axisOf(i, best.set)) {
+            if (const auto axis = axisOf(i, held)) {
                 const double ratio = estimate[static_cast<Eigen::Index>(i)] / problem_.table()[i].deviation;
                 squares[*axis] += ratio * ratio - 1;
             }

@@ -175,7 +175,7 @@ std::vector<RankedSet> TolerantSearch::weighRivals(Attempt& best, std::vector<Tr
 }
 
 /// What begins far from the present state is settled and weighed against the best set, or against the present one.
-void TolerantSearch::weighFreshStarts(std::optional<Attempt>& best, const Standing& standing,
+void TolerantSearch::weighFreshStarts(std::optional<Attempt>& best, Standing& standing,
                                       std::vector<RankedSet>& ranked) {
     const SetState& reached = best ? best->state : standing.state;
     const std::vector<Trial> starts = startAfresh(problem_, settler_, standing.state, reached);
@@ -183,12 +183,14 @@ void TolerantSearch::weighFreshStarts(std::optional<Attempt>& best, const Standi
     for (const Trial& start : starts) {
         tell("rival");
         const double least = best ? best->log_evidence : present_;
-        Attempt fresh = settle(start, standing.state, least);
+        Attempt fresh = settle(start, standing.state, best ? least - kUnlikely : least);
         if (best) compare(fresh, *best);
-        if (!(fresh.log_evidence > least) || !serves(fresh, standing)) continue;
+        const bool better = fresh.log_evidence > least;
+        if (!(better || (best && fresh.log_evidence > least - kUnlikely)) || !serves(fresh, standing)) continue;
         if (!best) ranked = {{standing.state.set, present_}};
         ranked.push_back({start.set, fresh.log_evidence});
-        best = std::move(fresh);
+        standing.settled.insert_or_assign(start.set, fresh.state.point);
+        if (better) best = std::move(fresh);
     }
 }
 

@@ -46,7 +46,7 @@ private:
     std::optional<Attempt> findServing(std::vector<Trial>& trials, const Standing& standing, int& attempts);
     std::vector<RankedSet> weighRivals(Attempt& best, std::vector<Trial>& trials, const Standing& standing,
                                        int attempts);
-    void weighFreshStarts(std::optional<Attempt>& best, const Standing& standing, std::vector<RankedSet>& ranked);
+    void weighFreshStarts(std::optional<Attempt>& best, Standing& standing, std::vector<RankedSet>& ranked);
     void take(Attempt best, Standing& standing);
     /// @param rival log evidence that a trial from far away has to reach
     Attempt settle(const Trial& trial, const SetState& present, std::optional<double> rival = std::nullopt);
