@@ -13,6 +13,10 @@ namespace wems::identify::commands {
 
 namespace {
 
+nlohmann::json numberOrNull(const std::optional<double>& value) {
+    return value ? commands::numberOrNull(*value) : nlohmann::json(nullptr);
+}
+
 nlohmann::json group(const GroupError& error) {
     return {{"identification", numberOrNull(error.identification)}, {"validation", numberOrNull(error.validation)}};
 }
@@ -99,7 +103,9 @@ nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis) {
              group({gain(before.identification, after.identification), gain(before.validation, after.validation)})},
             {"causes", causes},
             {"adjustments", adjustments},
-            {"prediction", {{"band", diagnosis.prediction_band ? numberOrNull(*diagnosis.prediction_band) : nullptr}}},
+            {"prediction",
+             {{"band", numberOrNull(diagnosis.prediction_band)},
+              {"identification_band", numberOrNull(diagnosis.identification_band)}}},
             {"decisions", makeDecisions(diagnosis.decisions)},
             {"unexplained",
              {{"fraction", numberOrNull(after.validation)},
@@ -162,6 +168,14 @@ bool usesTolerances(const Diagnosis& diagnosis) {
     return diagnosis.of_element || diagnosis.error_adjusted.identification != diagnosis.error_before.identification;
 }
 
+std::string describeAllowed(const Diagnosis& diagnosis, const std::string& what) {
+    std::string text = "Noise and what is not known of the numbers allow the validation " + what + " an error of " +
+                       formatPercent(*diagnosis.prediction_band);
+    if (diagnosis.identification_band)
+        text += ", the identification " + what + " one of " + formatPercent(*diagnosis.identification_band);
+    return text + " (95 %).";
+}
+
 std::vector<std::vector<std::string>> tabulateErrors(const Diagnosis& diagnosis) {
     const auto row = [&](const std::string& name, double GroupError::*group) {
         std::vector<std::string> cells{name, formatPercent(diagnosis.error_before.*group),
@@ -210,9 +224,7 @@ std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
     Table errors(columns);
     for (const auto& row : tabulateErrors(diagnosis)) errors.addRow(row);
     text += "\n" + errors.format(style);
-    if (diagnosis.prediction_band)
-        text += "Noise and what is not known of the numbers allow the validation runs " +
-                formatPercent(*diagnosis.prediction_band) + " (95 %).\n";
+    if (diagnosis.prediction_band) text += describeAllowed(diagnosis, "runs") + "\n";
     const bool unexplained = diagnosis.verdict == Diagnosis::Verdict::unexplained;
     text +=
         "\nVerdict: " + paint(formatVerdict(diagnosis.verdict), unexplained ? Colour::yellow : Colour::green, style) +

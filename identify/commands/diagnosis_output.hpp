@@ -26,6 +26,8 @@ std::vector<std::vector<std::string>> tabulateAdjustments(const Diagnosis& diagn
 std::vector<std::vector<std::string>> tabulateCauses(const Diagnosis& diagnosis);
 /// Whether numbers were adjusted within their tolerances.
 bool usesTolerances(const Diagnosis& diagnosis);
+/// What the prediction bands say, which must be known. @param what `runs` or `recordings`
+std::string describeAllowed(const Diagnosis& diagnosis, const std::string& what);
 /// Errors of the free simulation of the identification and the validation recordings: before, with the adjustments
 /// where there are any, after, noise alone.
 std::vector<std::vector<std::string>> tabulateErrors(const Diagnosis& diagnosis);

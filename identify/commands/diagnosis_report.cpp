@@ -35,9 +35,7 @@ void addErrors(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addText("Equations of motion along the measured motion of the validation recordings: misfit " +
                  formatNumber(diagnosis.misfit_before, 4) + " before, " + formatNumber(diagnosis.misfit_after, 4) +
                  " after; noise alone leaves 1.");
-    if (diagnosis.prediction_band)
-        page.addText("Noise and what is not known of the numbers allow the validation recordings an error of " +
-                     formatPercent(*diagnosis.prediction_band) + " (95 %).");
+    if (diagnosis.prediction_band) page.addText(describeAllowed(diagnosis, "recordings"));
     if (!diagnosis.validated)
         page.addText(
             "There were no validation recordings: the identification recordings judged themselves, which flatters "

@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "identify/updating/free_runs.hpp"
+#include "identify/updating/answer_judge.hpp"
 #include "identify/updating/naming.hpp"
 #include "identify/updating/remainder.hpp"
 #include "identify/updating/test_problem.hpp"
@@ -18,7 +18,6 @@ namespace {
 constexpr double kQuantile = 1.959963984540054;  // of 95 % of a normal variable
 constexpr double kLargestDecibels = 120.0;
 constexpr double kRivalProbability = 0.02;  // a set at least this likely makes its causes rivals
-constexpr unsigned kSeed = 20260101;        // of the draws of the band: the same answer again
 constexpr double kTold = 0.25;              // of the prior variance, which the recordings leave of a number
 constexpr double kNoStop = 0.1;             // of the believed stiffness: a stop that soft is none
 
@@ -51,20 +50,15 @@ public:
             for (const auto& note : run.motion.notes)
                 if (std::find(result_.notes.begin(), result_.notes.end(), note) == result_.notes.end())
                     result_.notes.push_back(note);
-        result_.validated = firstJudging() > 0;
+        result_.validated = judge_.isValidated();
     }
 
     void select() {
-        std::optional<DrivenNoise> driven;  // of the first model that is judged: it changes little from one to another
         const FreeJudge predict = [&](const TestPoint& point, const HypothesisSet& set) {
-            FreeError judged = judging_.calcError(point, set);
-            if (!driven) driven = judging_.calcDriven(problem_.cleanModel(point), kSeed);
-            judged.driven = *driven;
-            return judged;
+            return judge_.predict(point, set);
         };
         const BandJudge band = [&](const SetState& state, const Posterior& posterior) {
-            const double floor = judging_.calcNoiseFloor(problem_.cleanModel(state.point), kSeed);
-            return calcBand(state.set, state.point, posterior, floor);
+            return judge_.calcBand(state, posterior);
         };
         selection_ = selectCauses(problem_, predict, band, options_.progress);
         problem_.forgetCorrected();
@@ -94,41 +88,16 @@ private:
     const Hypothesis& at(int hypothesis) const { return problem_.hypotheses()[hypothesis]; }
     const Unknown& row(int index) const { return problem_.table()[index]; }
 
-    GroupError errorOf(const TestPoint& point, const HypothesisSet& set) const {
-        return {own_.calcError(point, set).error, judging_.calcError(point, set).error};
-    }
-
     void simulate() {
-        const FreeError own = own_.calcError(model_), judging = judging_.calcError(model_);
-        result_.error_before = {own.error, judging.error};
-        const MountModel best = problem_.cleanModel(selection_.state.point);
-        result_.noise_floor = {own_.calcNoiseFloor(best, kSeed), judging_.calcNoiseFloor(best, kSeed)};
-        result_.error_adjusted = errorOf(selection_.adjusted, {});
-        result_.error_after = errorOf(selection_.state.point, selection_.state.set);
         tell("prediction band");
-        const double fitted = judging_.calcError(selection_.fitted, selection_.state.set).error;
-        const auto band = [&](const TestPoint& point, const Posterior& posterior) {
-            return calcBand(selection_.state.set, point, posterior, result_.noise_floor.validation);
-        };
-        result_.prediction_band = band(selection_.fitted, selection_.fitted_noise);
-        left_ = isLeft(std::min(fitted, result_.error_after.validation));
-        if (left_ || result_.error_after.validation <= result_.prediction_band) return;
-        // What the identification runs never reached may still move the prediction: its band is wider.
-        result_.prediction_band = std::max(*result_.prediction_band, band(selection_.state.point, selection_.noise));
-        left_ = isLeft(result_.error_after.validation);
-    }
-
-    double calcBand(const HypothesisSet& set, const TestPoint& point, const Posterior& posterior, double floor) const {
-        const FreeRuns::Corrected corrected = judging_.correct(point, set);
-        return calcPredictionBand(problem_, set, point, posterior, corrected.runs, judging_.first(), floor, kSeed);
-    }
-
-    /// Contract, section 6: more than band, noise and what is worth naming. The band of a run that amplifies small
-    /// differences is wide; it excuses nothing where the equations of motion are not satisfied either.
-    bool isLeft(double error) const {
-        const bool satisfied = isSatisfied(selection_.decisions.back().misfit);
-        return (!(error <= result_.prediction_band) || !satisfied) &&
-               isWorthExplaining({error, result_.noise_floor.validation});
+        const Judgement judgement = judge_.judge(selection_, model_);
+        result_.error_before = judgement.before;
+        result_.error_adjusted = judgement.adjusted;
+        result_.error_after = judgement.after;
+        result_.noise_floor = judgement.noise_floor;
+        result_.prediction_band = judgement.prediction_band;
+        result_.identification_band = judgement.identification_band;
+        left_ = judgement.is_left;
     }
 
     CauseParameter makeParameter(int index, const Posterior& posterior, double value) const {
@@ -205,7 +174,7 @@ private:
                 std::min(0.999, selection_.probabilityOf(selection_.state.set[i]) + addRivals(i, cause));
             const Evidence own = makeEvidence(problem_, selection_.state.view, selection_.state.scales, false);
             const TestPoint held = holdBack(problem_, selection_.state, selection_.state.set[i], own);
-            const double error = judging_.calcError(held, selection_.state.set).error;
+            const double error = judge_.judging().calcError(held, selection_.state.set).error;
             cause.gain_db = std::isfinite(error) ? toDecibel(error / result_.error_after.validation) : kLargestDecibels;
             const double before = result_.error_before.validation, after = result_.error_after.validation;
             cause.share =
@@ -355,21 +324,14 @@ private:
 
     /// Of the mount's equation along the runs that judge, as believed and as answered.
     void addSpectrum() {
-        result_.spectrum =
-            calcMisfitSpectrum(problem_.viewAlone(problem_.believedPoint()), selection_.state.view, firstJudging());
-    }
-
-    /// Runs that judge: the last ones if there are such for validation, else all.
-    std::size_t firstJudging() const {
-        const std::size_t own = problem_.identificationCount();
-        return own < problem_.runs().size() ? own : 0;
+        result_.spectrum = calcMisfitSpectrum(problem_.viewAlone(problem_.believedPoint()), selection_.state.view,
+                                              judge_.firstJudging());
     }
 
     MountModel model_;
     DiagnosisOptions options_;
     TestProblem problem_;
-    FreeRuns own_{problem_, 0, problem_.identificationCount()};
-    FreeRuns judging_{problem_, firstJudging(), problem_.runs().size() - firstJudging()};
+    AnswerJudge judge_{problem_};
     Selection selection_;
     mutable std::optional<Evidence> full_evidence_;
     bool left_ = false;  // more than the band, the noise and what is worth naming

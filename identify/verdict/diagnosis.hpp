@@ -84,6 +84,7 @@ struct Diagnosis {
     GroupError error_before, error_after, noise_floor;
     GroupError error_adjusted;                   ///< with the adjustments alone
     std::optional<double> prediction_band;       ///< validation error that noise and the posterior allow, 95 %
+    std::optional<double> identification_band;   ///< the same of the identification runs, where it was asked for
     std::vector<Cause> causes;                   ///< by falling gain
     std::vector<Adjustment> adjustments;         ///< of which the recordings say something
     std::vector<std::string> unexplained_where;  ///< connection.axis, `bracket`, then `free` or `contact`

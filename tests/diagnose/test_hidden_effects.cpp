@@ -95,6 +95,35 @@ TEST_CASE("A force that no law describes is unexplained, at its axis", "[diagnos
     });
 }
 
+TEST_CASE("What acted in one identification recording alone is unexplained though the validation is foretold",
+          "[diagnose]") {
+    test::drawUntilClear([](std::uint64_t seed) -> std::string {
+        auto quiet = draw("none", seed);
+        for (std::uint64_t next = seed + 1; quiet.displacement_noise == 0; ++next) quiet = draw("none", next);
+        auto disturbed = quiet;
+        auto& outside = disturbed.outside;
+        outside.kind = hidden::OutsideEffect::Kind::disturbance;
+        outside.connection = 1;
+        outside.axis = 2;
+        outside.frequency = 23;
+        const AxisLaw& law = quiet.base.connections[1].axis[2];
+        outside.size = law.stiffness * law.stops.front().clearance;
+        MountModel believed = quiet.base;
+        for (std::size_t i = 0; i < kToleranceKeys.size(); ++i)
+            believed.tolerances.set(static_cast<ToleranceOf>(i), 0.0);
+        const auto diagnosis =
+            diagnose({hidden::recordForward(disturbed, 0, seed), hidden::recordForward(quiet, 1, seed)},
+                     {hidden::recordForward(quiet, 2, seed)}, believed);
+        const auto& error = diagnosis.error_after;
+        const std::string figures = ", errors " + std::to_string(error.identification) + " and " +
+                                    std::to_string(error.validation) + ", band " +
+                                    std::to_string(diagnosis.prediction_band.value_or(0));
+        return formatVerdict(diagnosis.verdict) == "unexplained" && listNamed(diagnosis).empty()
+                   ? ""
+                   : formatVerdict(diagnosis.verdict) + figures;
+    });
+}
+
 TEST_CASE("Another simulator's hidden effects are found", "[diagnose]") {
     const char* folder = std::getenv("WEMS_EXAMPLES");
     if (folder == nullptr) {
