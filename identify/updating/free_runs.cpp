@@ -4,8 +4,10 @@
 #include <utility>
 
 #include "identify/motion/parallel.hpp"
+#include "identify/problem/run_noise.hpp"
 #include "identify/updating/naming.hpp"
 #include "identify/verdict/driven_noise.hpp"
+#include "models/common/units.hpp"
 
 namespace wems::identify::updating {
 namespace {
@@ -21,6 +23,43 @@ TestPoint keepNamedFaults(const TestProblem& problem, const TestPoint& point, co
     return kept;
 }
 
+/// What integration leaves of the accelerations' noise in the displacement of a connection's axis, m²: the mean over
+/// all, above the frequency where the comparison begins. Its spectrum matters: at low frequencies noise has more.
+double calcIntegratedNoise(const MotionNoise& noise, Part part, const RunMotion& run, const MountModel& model) {
+    const int count = static_cast<int>(model.connections.size());
+    Matrix6 axes = Matrix6::Zero();  // Σ d dᵀ
+    for (int i = 0; i < count; ++i)
+        for (int a = 0; a < 3; ++a) {
+            const Vector6 d = calcAxisDirection(model, i, a);
+            axes += d * d.transpose() / (3 * count);
+        }
+    const double spacing = 1 / (static_cast<double>(run.time.size()) * run.interval);
+    const double from = calcLowestCompared(run), to = 0.5 / run.interval;
+    double variance = 0;
+    for (double frequency = std::max(from, spacing); frequency < to; frequency += spacing)
+        variance += 2 * run.interval * spacing * axes.cwiseProduct(noise.covariance(part, kTwoPi * frequency)).sum();
+    return variance;
+}
+
+std::array<std::optional<double>, 2> calcDisplacementNoise(const TestProblem& problem, const TestRun& run) {
+    std::array<std::optional<double>, 2> variances;
+    const SensorLayout& layout = problem.layout();
+    const MotionNoise noise(run, layout);
+    for (std::size_t g = 0; g < layout.groups.size(); ++g) {
+        const Part part = layout.groups[g].part;
+        const std::size_t side = part == Part::mobile ? 0 : 1;
+        const PartMotion& motion = part == Part::mobile ? run.motion.mobile : run.motion.fixed;
+        if (layout.groups[g].derivative == Derivative::displacement && motion.displacement_measured)
+            variances.at(side) = run.noise[g].variance();
+        // What drives without redundancy is drawn with what it drives (driven_noise.hpp).
+        const bool counts = part == Part::mobile || std::isfinite(motion.acceleration_noise);
+        if (layout.groups[g].derivative == Derivative::acceleration && motion.acceleration_measured &&
+            !motion.displacement_measured && counts)
+            variances.at(side) = calcIntegratedNoise(noise, part, run.motion, problem.believedPoint().state.model);
+    }
+    return variances;
+}
+
 }  // namespace
 
 FreeRuns::FreeRuns(const TestProblem& problem, std::size_t first, std::size_t count)
@@ -29,7 +68,7 @@ FreeRuns::FreeRuns(const TestProblem& problem, std::size_t first, std::size_t co
     for (std::size_t r = first; r < first + count; ++r) {
         const TestRun& run = problem.runs()[r];
         recorded_.push_back({&run.motion, calcMeasuredRelative(run.recording, run.motion, believed),
-                             problem.calcDisplacementNoise(r), problem.calcDriveNoise(r)});
+                             calcDisplacementNoise(problem, run), problem.calcDriveNoise(r)});
     }
 }
 

@@ -234,14 +234,6 @@ Eigen::VectorXd TestProblem::estimateOf(const TestPoint& point) const {
     return estimate;
 }
 
-std::array<double, 2> TestProblem::calcDisplacementNoise(std::size_t index) const {
-    std::array<double, 2> noise{0, 0};
-    for (std::size_t g = 0; g < layout_.groups.size(); ++g)
-        if (layout_.groups[g].derivative == Derivative::displacement)
-            noise[layout_.groups[g].part == Part::mobile ? 0 : 1] = runs()[index].noise[g].variance();
-    return noise;
-}
-
 DriveNoise TestProblem::calcDriveNoise(std::size_t index) const {
     const TestRun& run = runs()[index];
     DriveNoise noise;

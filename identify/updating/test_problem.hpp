@@ -76,8 +76,6 @@ public:
     Eigen::VectorXd estimateOf(const TestPoint& point) const;
     /// A point under a set: what neither a tolerance nor the set moves is as believed.
     TestPoint reduce(const TestPoint& point, const HypothesisSet& set) const;
-    /// m², of the displacement channels of the mobile and the fixed part of a run, over all frequencies.
-    std::array<double, 2> calcDisplacementNoise(std::size_t run) const;
     /// Of what drives a run: white noise of the density in the middle of what it is excited by.
     DriveNoise calcDriveNoise(std::size_t run) const;
     /// The motion of a run, which may drive it, and its relative displacements (calcMeasuredRelative) as exact sensors

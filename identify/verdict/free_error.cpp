@@ -46,12 +46,11 @@ Eigen::MatrixXd highPass(const Eigen::MatrixXd& rows, double frequency, double i
     return fourier.inverse(spectra, static_cast<int>(rows.cols()));
 }
 
-/// Where a comparison begins: 0, but where the motion of either part is integrated from accelerations alone.
-double lowestCompared(const RunMotion& run) {
+}  // namespace
+
+double calcLowestCompared(const RunMotion& run) {
     return std::max(run.mobile.displacement_measured ? 0.0 : run.trusted_from, run.fixed_trusted_from);
 }
-
-}  // namespace
 
 double calcExplainable(const FreeError& error) {
     return std::max(error.error * error.error - error.driven.square,
@@ -85,8 +84,8 @@ double calcNoiseVariance(const FreeRun& free, const MountModel& model) {
     const auto connections = model.connections.size();
     const double twice_integrated = 2 * run.interval / (3 * std::pow(kTwoPi, 4) * std::pow(run.trusted_from, 3));
     const auto square = [&](const PartMotion& part, std::size_t side) {
+        if (free.displacement_noise.at(side)) return *free.displacement_noise.at(side);
         const bool integrated = !part.displacement_measured && part.acceleration_measured;
-        if (!integrated && free.displacement_noise) return (*free.displacement_noise)[side];
         const double noise = integrated ? part.acceleration_noise : part.displacement_noise;
         if (!std::isfinite(noise)) return 0.0;
         if (!integrated) return noise * noise;
@@ -106,11 +105,11 @@ double calcNoiseVariance(const FreeRun& free, const MountModel& model) {
 }
 
 Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model) {
-    return highPass(simulate(*run.motion, model) - run.measured, lowestCompared(*run.motion), run.motion->interval);
+    return highPass(simulate(*run.motion, model) - run.measured, calcLowestCompared(*run.motion), run.motion->interval);
 }
 
 double calcComparedSquares(const FreeRun& run) {
-    return highPass(run.measured, lowestCompared(*run.motion), run.motion->interval).squaredNorm();
+    return highPass(run.measured, calcLowestCompared(*run.motion), run.motion->interval).squaredNorm();
 }
 
 Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion& run, const MountModel& model) {
@@ -150,7 +149,7 @@ double calcSampledDifference(const FreeRun& run, const MountModel& model) {
     const RunMotion sampled = estimateMotion(simulateRecording(*run.motion, model, {0, 0}), model);
     const Eigen::MatrixXd simulated = calcMeasuredRelative({}, sampled, model);
     if (simulated.cols() != run.measured.cols()) return std::numeric_limits<double>::infinity();
-    return highPass(simulated - run.measured, lowestCompared(*run.motion), run.motion->interval).squaredNorm();
+    return highPass(simulated - run.measured, calcLowestCompared(*run.motion), run.motion->interval).squaredNorm();
 }
 
 }  // namespace
@@ -164,7 +163,7 @@ FreeError calcFreeError(const std::vector<FreeRun>& runs, const MountModel& mode
         try {
             const double own = calcFreeResidual(run, model).squaredNorm();
             difference += own;
-            sampled += lowestCompared(*run.motion) > 0 ? calcSampledDifference(run, model) : own;
+            sampled += calcLowestCompared(*run.motion) > 0 ? calcSampledDifference(run, model) : own;
         } catch (const SimulationDiverged&) {
             result.diverged = true;
         }

@@ -72,11 +72,13 @@ struct DriveNoise {
 struct FreeRun {
     const RunMotion* motion;
     Eigen::MatrixXd measured;
-    /// m², of the displacement channels of the mobile and the fixed part, where their noise is known better than by the
-    /// scatter of the rigid fits.
-    std::optional<std::array<double, 2>> displacement_noise = {};
+    /// m², of one compared value, by the mobile and the fixed part: of displacement channels, or what integration
+    /// leaves of the accelerations' noise. Where it is not known better than by the scatter of the rigid fits: nothing.
+    std::array<std::optional<double>, 2> displacement_noise = {};
     DriveNoise drive = {};
 };
+/// Where a comparison begins, Hz: 0, but where the motion of either part is integrated from accelerations alone.
+double calcLowestCompared(const RunMotion& run);
 /// Simulated minus measured, as the error compares them. @throws SimulationDiverged
 Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model);
 /// Sum of squares of the measured displacements, as the error compares them, m².
