@@ -15,12 +15,6 @@
 namespace wems::identify {
 namespace {
 
-// Where only accelerations were recorded, displacements are known above this times the lowest excited frequency.
-constexpr double lowest_part = 0.6;
-// What is compared lies above this times it: the high pass begins where that of the integration ends, so that both
-// sides pass one filter. Two different ones left 0.4 to 1 % in runs whose contacts shift the mean.
-constexpr double compared_part = 1.5 * lowest_part;
-
 void addSweep(const Recording& uniform, RelativeDisplacement& result) {
     const SweptFrequency swept = findSweptFrequency(uniform);
     result.swept_frequency = swept.hertz;
@@ -50,7 +44,7 @@ bool findAxis(const Recording& recording, ChannelName name, double lowest, Axis&
                          "only accelerations were recorded, and the lowest excited frequency cannot be told",
                          "displacement channels, or a load or base channel beside the accelerations");
     const Eigen::VectorXd a = Eigen::Map<const Eigen::VectorXd>(channel->values.data(), samples);
-    axis = {integrateTwice(a, recording.sampleInterval(), lowest_part * lowest).x.transpose(), true};
+    axis = {integrateTwice(a, recording.sampleInterval(), kIntegrationMargin * lowest).x.transpose(), true};
     return true;
 }
 
@@ -159,7 +153,7 @@ RelativeDisplacement calcRelativeDisplacement(const Recording& recording) {
 void removeSlowMotion(RelativeDisplacement& displacement, double lowest_frequency) {
     for (Eigen::Index i = 0; i < displacement.q.rows(); ++i) {
         const Eigen::VectorXd row = displacement.q.row(i);
-        displacement.q.row(i) = highPass(row, displacement.interval(), compared_part * lowest_frequency);
+        displacement.q.row(i) = highPass(row, displacement.interval(), kComparedMargin * kIntegrationMargin * lowest_frequency);
     }
 }
 

@@ -22,6 +22,9 @@ constexpr int kMostPasses = 10;
 constexpr double kPassTolerance = 1e-6;
 /// Displacements from accelerations count from this part of the lowest excited frequency on.
 constexpr double kIntegrationMargin = 0.6;
+/// They are compared from this times that on: there the filter of the integration ends, so that both sides pass one.
+/// Two different ones left 0.4 to 1 % in runs whose contacts shift the mean.
+constexpr double kComparedMargin = 1.5;
 /// Differentiated displacements keep at least this many times the highest excited frequency: the gain there is 0.9986.
 constexpr double kSweepMargin = 3;
 /// No measurement is better than this part of its own RMS: keeps weights finite for noise-free data.

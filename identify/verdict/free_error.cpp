@@ -11,6 +11,7 @@
 #include "identify/forward/relative_displacement.hpp"
 #include "identify/forward/simulated_recording.hpp"
 #include "identify/motion/fourier.hpp"
+#include "identify/motion/part_motion.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "identify/problem/smoothing_kernel.hpp"
 #include "models/bryant.hpp"
@@ -49,7 +50,8 @@ Eigen::MatrixXd highPass(const Eigen::MatrixXd& rows, double frequency, double i
 }  // namespace
 
 double calcLowestCompared(const RunMotion& run) {
-    return std::max(run.mobile.displacement_measured ? 0.0 : run.trusted_from, run.fixed_trusted_from);
+    return kComparedMargin *
+           std::max(run.mobile.displacement_measured ? 0.0 : run.trusted_from, run.fixed_trusted_from);
 }
 
 double calcExplainable(const FreeError& error) {
@@ -82,7 +84,8 @@ bool isBelowNoise(const FreeError& with, const FreeError& without) {
 double calcNoiseVariance(const FreeRun& free, const MountModel& model) {
     const RunMotion& run = *free.motion;
     const auto connections = model.connections.size();
-    const double twice_integrated = 2 * run.interval / (3 * std::pow(kTwoPi, 4) * std::pow(run.trusted_from, 3));
+    const double twice_integrated =
+        2 * run.interval / (3 * std::pow(kTwoPi, 4) * std::pow(kComparedMargin * run.trusted_from, 3));
     const auto square = [&](const PartMotion& part, std::size_t side) {
         if (free.displacement_noise.at(side)) return *free.displacement_noise.at(side);
         const bool integrated = !part.displacement_measured && part.acceleration_measured;

@@ -4,7 +4,7 @@
 /// Error: root mean square of (simulated − measured) relative displacement over that of the measured one, pooled over
 /// all recordings, connections and axes. The simulation is driven by the recorded load wherever the model has a
 /// bracket and the recording a load, otherwise by the recorded motion of the fixed part. Where only accelerations were
-/// recorded, both sides are compared above the lowest frequency at which the motion is known.
+/// recorded, both sides are compared above the lowest frequency at which the motion is known (kComparedMargin).
 #pragma once
 
 #include <Eigen/Core>

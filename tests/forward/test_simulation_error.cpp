@@ -89,7 +89,7 @@ TEST_CASE("from accelerations alone on a table the true model's error is below a
             Recording of_table = of_base;
             of_table.channels.erase(of_table.channels.begin(), of_table.channels.begin() + 3);
             addRows(of_table, Part::fixed, model, shaken.markers.fixed_acceleration, Derivative::acceleration);
-            // The table's own motion is not known below 0.6 of the lowest frequency, where the sweep's start spreads.
+            // The table's own motion is not known below 0.9 of the lowest frequency, where the sweep's start spreads.
             CHECK(calcError(model, of_table) < 5e-3);
             model.body.mass *= 1.02;
             CHECK(calcError(model, of_base) > 5e-3);

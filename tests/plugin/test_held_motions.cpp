@@ -43,7 +43,7 @@ double calcError(const MountModel& model, const Recording& recording) {
     return identify::calcSimulationError(model, identify::prepareRun(motion, model, lowest)).value();
 }
 
-/// What a comparison of accelerations alone may differ by: from 0.6 of the lowest frequency on, where the sweep's own
+/// What a comparison of accelerations alone may differ by: from 0.9 of the lowest frequency on, where the sweep's own
 /// start spreads below, 0.1 to 0.7 % of these short runs. Otherwise interpolation of the drive decides, below 0.1 %.
 constexpr double kIntegrated = 8e-3, kMeasured = 1e-3;
 
