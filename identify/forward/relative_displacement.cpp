@@ -153,7 +153,8 @@ RelativeDisplacement calcRelativeDisplacement(const Recording& recording) {
 void removeSlowMotion(RelativeDisplacement& displacement, double lowest_frequency) {
     for (Eigen::Index i = 0; i < displacement.q.rows(); ++i) {
         const Eigen::VectorXd row = displacement.q.row(i);
-        displacement.q.row(i) = highPass(row, displacement.interval(), kComparedMargin * kIntegrationMargin * lowest_frequency);
+        displacement.q.row(i) =
+            highPass(row, displacement.interval(), kComparedMargin * kIntegrationMargin * lowest_frequency);
     }
 }
 
