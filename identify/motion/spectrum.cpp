@@ -24,12 +24,6 @@ Eigen::Index nextPowerOfTwo(Eigen::Index n) {
 // Periods of the lowest frequency over which the high pass rings.
 constexpr double ringing_periods = 8;
 
-/// Gain of the high pass: from 0 at 2/3 of `lowest` to 1 there as a raised cosine.
-double calcHighPassGain(double frequency, double lowest) {
-    const double ramp = std::clamp((frequency / lowest - 2.0 / 3) * 3, 0.0, 1.0);
-    return 0.5 - 0.5 * std::cos(kPi * ramp);
-}
-
 }  // namespace
 
 Spectrum calcSpectrum(const Eigen::VectorXd& signal, double interval, int segment) {
@@ -81,6 +75,11 @@ Eigen::VectorXd calcUnsharedDensity(const Eigen::MatrixXd& channels, double inte
         first = last;
     }
     return density;
+}
+
+double calcHighPassGain(double frequency, double lowest) {
+    const double ramp = std::clamp((frequency / lowest - 2.0 / 3) * 3, 0.0, 1.0);
+    return 0.5 - 0.5 * std::cos(kPi * ramp);
 }
 
 IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double interval, double lowest) {

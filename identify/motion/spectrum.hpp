@@ -21,16 +21,18 @@ Spectrum calcSpectrum(const Eigen::VectorXd& signal, double interval, int segmen
 /// first such stretch it is continued as 1 / f, which noise of electronics may be. All zero for six channels or fewer.
 Eigen::VectorXd calcUnsharedDensity(const Eigen::MatrixXd& channels, double interval, const Eigen::VectorXd& frequency);
 
+/// Gain of a high pass at a frequency (Hz): it rises from 0 at 2/3 of `lowest` to 1 there as a raised cosine.
+double calcHighPassGain(double frequency, double lowest);
+
 struct IntegratedSignal {
     Eigen::VectorXd v, x;
 };
 
-/// Integrates an acceleration once and twice, zero-phase, with a high pass whose gain rises from 0 at
-/// 2/3 of `lowest` to 1 at `lowest` (Hz) as a raised cosine: exact from there on. The signal is continued by zeros, so
-/// the recording should begin and end at rest.
+/// Integrates an acceleration once and twice, zero-phase, through that high pass: exact from `lowest` (Hz) on. The
+/// signal is continued by zeros, so the recording should begin and end at rest.
 IntegratedSignal integrateTwice(const Eigen::VectorXd& acceleration, double interval, double lowest);
 
-/// The signal through the high pass of integrateTwice, its mean removed. The ends are continued by point reflection.
+/// The signal through that high pass, its mean removed. The ends are continued by point reflection.
 Eigen::VectorXd highPass(const Eigen::VectorXd& signal, double interval, double lowest);
 
 struct SlowSignal {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "identify/motion/parallel.hpp"
+#include "identify/motion/spectrum.hpp"
 #include "identify/problem/run_noise.hpp"
 #include "identify/updating/naming.hpp"
 #include "identify/verdict/driven_noise.hpp"
@@ -24,7 +25,7 @@ TestPoint keepNamedFaults(const TestProblem& problem, const TestPoint& point, co
 }
 
 /// What integration leaves of the accelerations' noise in the displacement of a connection's axis, m²: the mean over
-/// all, above the frequency where the comparison begins. Its spectrum matters: at low frequencies noise has more.
+/// all, through the high pass of the comparison. Its spectrum matters: at low frequencies noise has more.
 double calcIntegratedNoise(const MotionNoise& noise, Part part, const RunMotion& run, const MountModel& model) {
     const int count = static_cast<int>(model.connections.size());
     Matrix6 axes = Matrix6::Zero();  // Σ d dᵀ
@@ -34,10 +35,14 @@ double calcIntegratedNoise(const MotionNoise& noise, Part part, const RunMotion&
             axes += d * d.transpose() / (3 * count);
         }
     const double spacing = 1 / (static_cast<double>(run.time.size()) * run.interval);
-    const double from = calcLowestCompared(run), to = 0.5 / run.interval;
+    const double lowest = calcLowestCompared(run), to = 0.5 / run.interval;
     double variance = 0;
-    for (double frequency = std::max(from, spacing); frequency < to; frequency += spacing)
-        variance += 2 * run.interval * spacing * axes.cwiseProduct(noise.covariance(part, kTwoPi * frequency)).sum();
+    for (double frequency = spacing; frequency < to; frequency += spacing) {
+        const double gain = calcHighPassGain(frequency, lowest);
+        if (gain == 0) continue;
+        variance += 2 * run.interval * spacing * gain * gain *
+                    axes.cwiseProduct(noise.covariance(part, kTwoPi * frequency)).sum();
+    }
     return variance;
 }
 

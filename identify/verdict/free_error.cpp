@@ -10,8 +10,8 @@
 #include "identify/forward/initial_state.hpp"
 #include "identify/forward/relative_displacement.hpp"
 #include "identify/forward/simulated_recording.hpp"
-#include "identify/motion/fourier.hpp"
 #include "identify/motion/part_motion.hpp"
+#include "identify/motion/spectrum.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "identify/problem/smoothing_kernel.hpp"
 #include "models/bryant.hpp"
@@ -38,13 +38,12 @@ Eigen::MatrixXd simulate(const RunMotion& run, const MountModel& model) {
 }
 
 /// Both sides above a frequency, where below it nothing was measured.
-Eigen::MatrixXd highPass(const Eigen::MatrixXd& rows, double frequency, double interval) {
+Eigen::MatrixXd keepAbove(const Eigen::MatrixXd& rows, double frequency, double interval) {
     if (frequency <= 0) return rows;
-    const Fourier fourier(static_cast<int>(rows.cols()));
-    Eigen::MatrixXcd spectra = fourier.forward(rows);
-    const auto first = static_cast<Eigen::Index>(frequency * fourier.size() * interval);
-    spectra.leftCols(std::min(first, spectra.cols())).setZero();
-    return fourier.inverse(spectra, static_cast<int>(rows.cols()));
+    Eigen::MatrixXd kept(rows.rows(), rows.cols());
+    for (Eigen::Index i = 0; i < rows.rows(); ++i)
+        kept.row(i) = highPass(rows.row(i).transpose(), interval, frequency).transpose();
+    return kept;
 }
 
 }  // namespace
@@ -79,13 +78,15 @@ bool isBelowNoise(const FreeError& with, const FreeError& without) {
     return without.error < std::hypot(with.error, with.noise_floor);
 }
 
-// White acceleration noise integrated twice above a frequency f leaves
-// 2 h σ² / (3 (2π)⁴ f³), of which the rigid fit of n triads lets 2 / n through, and all of what contact folds.
+// White acceleration noise integrated twice above a frequency f leaves 2 h σ² I / ((2π)⁴ f³), of which the rigid fit of
+// n triads lets 2 / n through, and all of what contact folds. I = ∫ gain² (f / ν)⁴ dν / f of the high pass is 1/3 from
+// f on and 0.179 below.
 double calcNoiseVariance(const FreeRun& free, const MountModel& model) {
     const RunMotion& run = *free.motion;
     const auto connections = model.connections.size();
+    constexpr double passed = 0.512;
     const double twice_integrated =
-        2 * run.interval / (3 * std::pow(kTwoPi, 4) * std::pow(kComparedMargin * run.trusted_from, 3));
+        2 * run.interval * passed / (std::pow(kTwoPi, 4) * std::pow(kComparedMargin * run.trusted_from, 3));
     const auto square = [&](const PartMotion& part, std::size_t side) {
         if (free.displacement_noise.at(side)) return *free.displacement_noise.at(side);
         const bool integrated = !part.displacement_measured && part.acceleration_measured;
@@ -108,17 +109,19 @@ double calcNoiseVariance(const FreeRun& free, const MountModel& model) {
 }
 
 Eigen::MatrixXd calcFreeResidual(const FreeRun& run, const MountModel& model) {
-    return highPass(simulate(*run.motion, model) - run.measured, calcLowestCompared(*run.motion), run.motion->interval);
+    return keepAbove(simulate(*run.motion, model) - run.measured, calcLowestCompared(*run.motion),
+                     run.motion->interval);
 }
 
 double calcComparedSquares(const FreeRun& run) {
-    return highPass(run.measured, calcLowestCompared(*run.motion), run.motion->interval).squaredNorm();
+    return keepAbove(run.measured, calcLowestCompared(*run.motion), run.motion->interval).squaredNorm();
 }
 
 Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion& run, const MountModel& model) {
     const auto samples = static_cast<Eigen::Index>(run.time.size());
     Eigen::MatrixXd q(3 * model.connections.size(), samples);
     const PartMotion body = matchBand(run, model);
+    const Eigen::VectorXd rest = calcRestDisplacement(model);
     const bool same_times = recording.sampleCount() == run.time.size();
     for (std::size_t i = 0; i < model.connections.size(); ++i) {
         const auto& connection = model.connections[i];
@@ -130,15 +133,16 @@ Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion
             complete = complete && mobile[a] != nullptr && fixed[a] != nullptr;
         }
         for (Eigen::Index k = 0; k < samples; ++k) {
-            const Eigen::Matrix3d R_GF = rotationFromVector(run.fixed.theta.col(k));
-            Eigen::Vector3d relative;
+            const Eigen::Matrix3d R_FG = rotationFromVector(run.fixed.theta.col(k)).transpose();
+            Eigen::Ref<Eigen::Vector3d> relative = q.block<3, 1>(3 * i, k);
             if (complete) {
                 for (int a = 0; a < 3; ++a) relative[a] = mobile[a]->values[k] - fixed[a]->values[k];
+                relative = (R_FG * relative).eval();
             } else {
-                const Eigen::Matrix3d R_GM = rotationFromVector(body.theta.col(k));
-                relative = body.p.col(k) + R_GM * connection.position - run.fixed.p.col(k) - R_GF * connection.position;
+                const Eigen::Matrix3d R_FM = R_FG * rotationFromVector(body.theta.col(k));
+                relative = R_FG * (body.p.col(k) - run.fixed.p.col(k)) + R_FM * connection.position -
+                           connection.position - rest.segment<3>(3 * i);
             }
-            q.block<3, 1>(3 * i, k) = R_GF.transpose() * relative;
         }
     }
     return q;
@@ -152,7 +156,7 @@ double calcSampledDifference(const FreeRun& run, const MountModel& model) {
     const RunMotion sampled = estimateMotion(simulateRecording(*run.motion, model, {0, 0}), model);
     const Eigen::MatrixXd simulated = calcMeasuredRelative({}, sampled, model);
     if (simulated.cols() != run.measured.cols()) return std::numeric_limits<double>::infinity();
-    return highPass(simulated - run.measured, calcLowestCompared(*run.motion), run.motion->interval).squaredNorm();
+    return keepAbove(simulated - run.measured, calcLowestCompared(*run.motion), run.motion->interval).squaredNorm();
 }
 
 }  // namespace

@@ -19,8 +19,9 @@
 
 namespace wems::identify {
 
-/// Measured relative displacement of a run: row 3 i + axis, F axes, m; rows of connections that were not recorded are
-/// those of the rigid motion.
+/// Measured relative displacement of a run from rest: row 3 i + axis, F axes, m; rows of connections that were not
+/// recorded are those of the rigid motion.
+/// @param model that the motion was estimated with: its sag is a part of the motion
 Eigen::MatrixXd calcMeasuredRelative(const Recording& recording, const RunMotion& run, const MountModel& model);
 
 /// What the noise of the drive makes of a free simulation: mean square of its draws and how much they scatter.
