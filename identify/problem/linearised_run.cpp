@@ -126,14 +126,15 @@ public:
 
     void addBracket(Eigen::Index column, const Eigen::MatrixXcd& white) { bracket_.set(column, unfold(white)); }
 
-    void addLaw(Eigen::Index column, const Unknown& row, const TestState& from, const TestState& to, double step) {
+    void addLaw(Eigen::Index column, int connection, int axis, const TestState& from, const TestState& to,
+                double step) {
         Eigen::VectorXd burst;
-        addWhite(column, at_.calcLawColumn(from, to, row.first, row.second, step, burst));
-        const auto change = noise_.calcLawChange(from, to, row.first, row.second, step);
+        addWhite(column, at_.calcLawColumn(from, to, connection, axis, step, burst));
+        const auto change = noise_.calcLawChange(from, to, connection, axis, step);
         slopes_[column] = noise_.calcSlope(change);
         noisy_[column] = noise_.makeLaw(change);
-        slopes_[column] += noise_.calcContactSlope(from, to, row.first, row.second, step);
-        if (burst.size() > 0) bursts_[3 * row.first + row.second].emplace_back(column, std::move(burst));
+        slopes_[column] += noise_.calcContactSlope(from, to, connection, axis, step);
+        if (burst.size() > 0) bursts_[3 * connection + axis].emplace_back(column, std::move(burst));
     }
 
     /// Of columns of the same axis, whose bursts are the same.
@@ -157,7 +158,7 @@ public:
                 case UnknownKind::law: {
                     const double value = row.get(state_);
                     row.set(moved, value + row.step);
-                    addLaw(column, row, state_, moved, row.step);
+                    addLaw(column, row.first, row.second, state_, moved, row.step);
                     resetLaw(moved, row);
                     break;
                 }
@@ -215,8 +216,12 @@ public:
             TestState to = from;
             row.set(to, row.get(from) + probe.step);
             const Eigen::Index column = table.size() + i;
-            addLaw(column, row, from, to, probe.step);
+            addLaw(column, row.first, row.second, from, to, probe.step);
         }
+    }
+
+    void makeHats() {
+        const UnknownTable& table = *columns_.table;
         if (at_.run().load.cols() == 0) return;
         for (std::size_t i = 0; i < columns_.hats.size(); ++i) {
             if (!columns_.wants(table.size() + columns_.probes.size() + i)) continue;
@@ -226,6 +231,16 @@ public:
             const Eigen::Index column = table.size() + columns_.probes.size() + i;
             add(column, mount, bracket);
             setNoise(column, noise_.makeLoad(share, 3));
+        }
+    }
+
+    void makeCurves() {
+        for (std::size_t i = 0; i < columns_.curves.size(); ++i) {
+            const AddedCurve& added = columns_.curves[i];
+            const std::size_t c = added.connection, a = added.axis;
+            TestState with = state_;
+            with.model.connections[c].axis[a].curve = added.rows;
+            addLaw(columns_.firstCurve() + i, added.connection, added.axis, state_, with, 1);
         }
     }
 
@@ -280,6 +295,8 @@ LinearisedRun linearise(Lineariser& at, const TestRun& run, const SensorLayout& 
     runParallel({[&] {
                      maker.makeTable();
                      maker.makeProbes();
+                     maker.makeHats();
+                     maker.makeCurves();
                      for (int j = 0; j < modes; ++j)
                          for (int sine = 0; sine < 2; ++sine)
                              maker.addBracket(columns.size() + 2 * j + sine, at.calcTransient(j, sine != 0));

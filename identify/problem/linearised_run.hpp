@@ -32,16 +32,25 @@ struct LoadHat {
     double below = 0, at = 0, above = 0;  ///< Hz
 };
 
-/// Columns of an Information: the table's rows, then probes, then hats.
+/// A force of the displacement alone at one axis of a connection, beside the law that is there.
+/// The law has no curve of its own.
+struct AddedCurve {
+    int connection = 0, axis = 0;
+    std::vector<CurveRow> rows;
+};
+
+/// Columns of an Information: the table's rows, then probes, then hats, then curves.
 struct ColumnSet {
     const UnknownTable* table = nullptr;
     std::size_t rows = 0;  ///< of the table
     std::vector<Probe> probes;
     std::vector<LoadHat> hats;
-    std::vector<char> wanted;  ///< columns that are formed; empty: all. The others say nothing.
+    std::vector<AddedCurve> curves;  ///< always formed
+    std::vector<char> wanted;        ///< columns that are formed; empty: all. The others say nothing.
     void wantNone() { wanted.assign(size(), 0); }
     bool wants(std::size_t column) const { return wanted.empty() || wanted[column] != 0; }
-    Eigen::Index size() const { return static_cast<Eigen::Index>(rows + probes.size() + hats.size()); }
+    std::size_t firstCurve() const { return rows + probes.size() + hats.size(); }
+    Eigen::Index size() const { return static_cast<Eigen::Index>(firstCurve() + curves.size()); }
 };
 
 struct LinearisedRun {

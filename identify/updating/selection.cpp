@@ -3,12 +3,15 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "identify/updating/naming.hpp"
 #include "identify/updating/number_naming.hpp"
+#include "identify/updating/other_form.hpp"
 #include "identify/updating/settled_search.hpp"
 #include "identify/updating/tolerant_search.hpp"
+#include "models/common/format_number.hpp"
 
 namespace wems::identify::updating {
 namespace {
@@ -48,6 +51,7 @@ public:
         result_.beyond = std::move(named.beyond);
         result_.decisions.insert(result_.decisions.end(), named.decisions.begin(), named.decisions.end());
         dropWorthless();
+        dropOtherForms();
         result_.fitted = state_.point;
         // What the model leaves beyond the noise is no excuse for its prediction: scales of a perfect model.
         result_.fitted_noise = makeEvidence(problem_, state_.view, {}, true).calcPosterior(state_.set);
@@ -150,16 +154,40 @@ private:
                                  std::find(needed.begin(), needed.end(), h) != needed.end() ||
                                  isWorthKeeping(judge_(holdBack(problem_, state_, h, evidence), state_.set))))
                     continue;
-                state_.set.erase(std::find(state_.set.begin(), state_.set.end(), h));
-                problem_.adopt(state_.set);
-                state_.point = problem_.reduce(state_.point, state_.set);
-                state_.view = problem_.view(state_.point, state_.set);
-                settler_.settle(state_, kMostRefining, true);
-                standing_.judged = judge_(state_.point, state_.set);
+                leaveOut(h);
                 changed = true;
                 break;
             }
         }
+    }
+
+    /// Elastic laws of another form than a cause gives them.
+    void dropOtherForms() {
+        for (bool changed = true; changed;) {
+            changed = false;
+            for (const int h : state_.set) {
+                const std::optional<double> odds = calcOtherFormOdds(problem_, settler_, state_, h);
+                if (!odds || *odds <= 0) continue;
+                Decision decision;
+                decision.action = "no cause: the force of the displacement has another form than " + describe(at(h)) +
+                                  " (log odds " + formatNumber(*odds, 3) + ")";
+                decision.misfit = calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point));
+                leaveOut(h);
+                conclude(decision, true);
+                changed = true;
+                break;
+            }
+        }
+    }
+
+    /// The state without a cause.
+    void leaveOut(int hypothesis) {
+        state_.set.erase(std::find(state_.set.begin(), state_.set.end(), hypothesis));
+        problem_.adopt(state_.set);
+        state_.point = problem_.reduce(state_.point, state_.set);
+        state_.view = problem_.view(state_.point, state_.set);
+        settler_.settle(state_, kMostRefining, true);
+        standing_.judged = judge_(state_.point, state_.set);
     }
 
     /// What the round began with, and its candidates.

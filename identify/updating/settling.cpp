@@ -177,16 +177,22 @@ double Settler::calcCost(const Information& all, const std::vector<double>& misf
 
 /// Scales at which a set's estimate leaves what they say, by the quadratic. From those of a perfect model upwards, so
 /// that a set is given the chance to explain before what it leaves is called discrepancy.
-BlockScales Settler::settleScales(const Information& all, const HypothesisSet& set) const {
+BlockScales Settler::settleScales(const Information& all,
+                                  const std::function<SetSolution(const BlockScales&)>& solve) const {
     BlockScales scales;
     for (int pass = 0; pass < kMostScalings; ++pass) {
-        const SetEvidence evidence(problem_, all, scales, set, Growth::followed);
-        const BlockScales next = scalesOf(calcMisfits(all, evidence.solve().mean));
+        const BlockScales next = scalesOf(calcMisfits(all, solve(scales).mean));
         const bool settled = areAlike(scales, next);
         scales = next;
         if (settled) break;
     }
     return scales;
+}
+
+BlockScales Settler::settleScales(const Information& all, const HypothesisSet& set) const {
+    return settleScales(all, [&](const BlockScales& scales) {
+        return SetEvidence(problem_, all, scales, set, Growth::followed).solve();
+    });
 }
 
 Information Settler::calcActual(const TestPoint& point, bool with_validation) const {
@@ -348,6 +354,15 @@ double Settler::calcLogEvidence(const SetState& state) const {
     const Eigen::VectorXd estimate = problem_.estimateOf(state.point);
     return SetEvidence(problem_, all, state.scales, state.set).solve().occam -
            0.5 * (calcCost(all, calcMisfits(all, estimate)) + calcPriorSquare(estimate, state.set));
+}
+
+SetSolution Settler::solveSettled(const Information& all,
+                                  const std::function<SetSolution(const BlockScales&)>& solve) const {
+    return solve(settleScales(all, solve));
+}
+
+double Settler::calcLogEvidence(const Information& all, const SetSolution& solution) const {
+    return solution.occam - 0.5 * (calcCost(all, calcMisfits(all, solution.mean)) + solution.prior_square);
 }
 
 double Settler::calcPriorSquare(const Eigen::VectorXd& estimate, const HypothesisSet& set) const {

@@ -109,6 +109,11 @@ public:
     /// factor.
     double calcLogEvidence(const SetState& state) const;
 
+    /// A quadratic's estimate at the scales that it leaves. @param solve the estimate at given scales
+    SetSolution solveSettled(const Information& all, const std::function<SetSolution(const BlockScales&)>& solve) const;
+    /// Its log evidence, as that of a settled set.
+    double calcLogEvidence(const Information& all, const SetSolution& solution) const;
+
     /// −2 log prior of an estimate under a set, but for a constant.
     double calcPriorSquare(const Eigen::VectorXd& estimate, const HypothesisSet& set) const;
 
@@ -125,6 +130,7 @@ private:
     /// @param step from where the quadratic was formed; @param actual at `estimate`
     double calcExcess(const Information& quadratic, const Eigen::VectorXd& step, const Information& actual,
                       const Eigen::VectorXd& estimate, const BlockScales& scales, Growth growth) const;
+    BlockScales settleScales(const Information& all, const std::function<SetSolution(const BlockScales&)>& solve) const;
     BlockScales settleScales(const Information& all, const HypothesisSet& set) const;
     Step improve(SetState& state, bool with_validation, double damping) const;
     /// @param[out] equations of the point that a step led to

@@ -318,14 +318,25 @@ TestView TestProblem::view(const TestPoint& point) const {
     return view(point, all);
 }
 
-TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set, PointEquations equations) const {
+ColumnSet TestProblem::columnsOf(const HypothesisSet& set) const {
     ColumnSet columns = catalogue_.columns;
     columns.wantNone();
     for (std::size_t i = 0; i < table_.size(); ++i) columns.wanted[i] = deviationOf(table_[i]) > 0;
     for (const int h : set)
         for (const Direction& direction : catalogue_.hypotheses[h].directions)
             for (const auto& [column, weight] : direction) columns.wanted[column] = 1;
-    return view(point, columns, std::move(equations));
+    return columns;
+}
+
+TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set, PointEquations equations) const {
+    return view(point, columnsOf(set), std::move(equations));
+}
+
+TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set,
+                           const std::vector<AddedCurve>& curves) const {
+    ColumnSet columns = columnsOf(set);
+    columns.curves = curves;
+    return view(point, std::move(columns), {});
 }
 
 TestView TestProblem::viewAlone(const TestPoint& point) const {
@@ -345,9 +356,11 @@ TestView TestProblem::view(const TestPoint& point, ColumnSet columns, PointEquat
         result.runs[r] = linearise(*equations.at[r], runs[r], layout_, columns, point.state);
         equations.at[r].reset();
     });
+    Eigen::VectorXd offset = Eigen::VectorXd::Zero(columns.size());
+    offset.head(point.values.size()) = -estimateOf(point);
     for (std::size_t r = 0; r < runs.size(); ++r)
         add(r < identification_count_ ? result.identification : result.validation,
-            shiftToBelieved(result.runs[r].information, -estimateOf(point)));
+            shiftToBelieved(result.runs[r].information, offset));
     return result;
 }
 

@@ -108,6 +108,8 @@ public:
     /// With those alone that tolerances and the members of a set move: for the steps of this set.
     /// @param equations of the point, as its misfit left them; formed here if empty
     TestView view(const TestPoint& point, const HypothesisSet& set, PointEquations equations = {}) const;
+    /// With those of a set, and of further forces.
+    TestView view(const TestPoint& point, const HypothesisSet& set, const std::vector<AddedCurve>& curves) const;
     /// Without columns: what the equations leave.
     TestView viewAlone(const TestPoint& point) const;
     /// χ² and count of each block, without derivatives, each run corrected and weighed as the point itself has it.
@@ -120,6 +122,8 @@ public:
 
 private:
     TestView view(const TestPoint& point, ColumnSet columns, PointEquations equations) const;
+    /// Those that tolerances and the members of a set move.
+    ColumnSet columnsOf(const HypothesisSet& set) const;
     PointEquations formEquations(const TestPoint& point) const;
     bool isAdopted(int hypothesis) const;
     /// Prior standard deviation of a row outside all hypotheses.
