@@ -35,6 +35,28 @@ nlohmann::json makeParameters(const std::vector<CauseParameter>& parameters, boo
     return list;
 }
 
+nlohmann::json makeElasticLaws(const std::vector<ElasticLaw>& laws) {
+    auto list = nlohmann::json::array();
+    for (const auto& law : laws) {
+        std::vector<double> half_width;
+        for (const double deviation : law.deviation) half_width.push_back(kTwoSided95 * deviation);
+        list.push_back({{"where", law.where},
+                        {"displacement", law.displacement},
+                        {"believed", law.believed},
+                        {"force", law.force},
+                        {"half_width95", half_width}});
+    }
+    return list;
+}
+
+std::vector<std::vector<std::string>> tabulateElasticLaw(const ElasticLaw& law) {
+    std::vector<std::vector<std::string>> rows;
+    for (std::size_t i = 0; i < law.displacement.size(); ++i)
+        rows.push_back({formatNumber(1e3 * law.displacement[i], 4), formatNumber(law.believed[i], 4),
+                        formatNumber(law.force[i], 4), formatNumber(kTwoSided95 * law.deviation[i], 2)});
+    return rows;
+}
+
 nlohmann::json makeFitted(const std::vector<FittedSet>& sets) {
     auto list = nlohmann::json::array();
     for (const auto& own : sets)
@@ -110,7 +132,8 @@ nlohmann::json makeDiagnosisJson(const Diagnosis& diagnosis) {
             {"unexplained",
              {{"fraction", numberOrNull(after.validation)},
               {"noise_floor", numberOrNull(diagnosis.noise_floor.validation)},
-              {"where", diagnosis.unexplained_where}}},
+              {"where", diagnosis.unexplained_where},
+              {"elastic_laws", makeElasticLaws(diagnosis.elastic_laws)}}},
             {"open_loop_misfit",
              {{"before", numberOrNull(diagnosis.misfit_before)}, {"after", numberOrNull(diagnosis.misfit_after)}}},
             {"validated", diagnosis.validated}};
@@ -231,6 +254,12 @@ std::string formatDiagnosis(const Diagnosis& diagnosis, TextStyle style) {
         "\n";
     if (!diagnosis.unexplained_where.empty())
         text += "What is left sits at: " + joinWords(diagnosis.unexplained_where, " ") + "\n";
+    for (const ElasticLaw& law : diagnosis.elastic_laws) {
+        text += "\nElastic force of " + law.where + ", which no cause describes:\n";
+        Table forces({"displacement mm", "believed N", "recordings N", "± N (95 %)"});
+        for (const auto& row : tabulateElasticLaw(law)) forces.addRow(row);
+        text += forces.format(style);
+    }
     return text;
 }
 

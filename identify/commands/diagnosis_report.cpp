@@ -110,6 +110,16 @@ void addSpectrum(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addPlot(plot);
 }
 
+/// What no cause describes, as a static test would show it.
+void addElasticLaws(const Diagnosis& diagnosis, HtmlReport& page) {
+    for (const ElasticLaw& law : diagnosis.elastic_laws) {
+        Plot plot{"Elastic force of " + law.where + ", which no cause describes", "displacement [m]", "force [N]", {}};
+        plot.series.push_back({"believed", law.displacement, law.believed, false, kBeforeColor});
+        plot.series.push_back({"as the recordings have it", law.displacement, law.force, false, kAfterColor});
+        page.addPlot(plot);
+    }
+}
+
 /// Before and after: forces along all runs, free simulations of those that judged.
 void addCurves(const Diagnosis& diagnosis, const MountModel& model, const DiagnosedRuns& runs, HtmlReport& page) {
     const auto named = findNamedAxis(diagnosis);
@@ -142,6 +152,7 @@ void writeDiagnosisReport(const Diagnosis& diagnosis, const MountModel& model, c
     if (!diagnosis.unexplained_where.empty())
         page.addText("What is left sits at: " + joinWords(diagnosis.unexplained_where, ", "));
     addCauses(diagnosis, page);
+    addElasticLaws(diagnosis, page);
     addErrors(diagnosis, page);
     addMotion(page, makeDeviceScene(runs.identification, diagnosis.extended));
     addCurves(diagnosis, model, runs, page);

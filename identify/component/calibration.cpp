@@ -4,13 +4,13 @@
 
 #include "identify/component/block_regression.hpp"
 #include "identify/component/component_fit.hpp"
+#include "identify/verdict/diagnosis.hpp"
 #include "models/common/format_number.hpp"
 #include "models/model_tolerance.hpp"
 
 namespace wems::identify {
 namespace {
 
-constexpr double kTwoSided95 = 1.96;  // standard deviations
 
 /// Of `letter` as a word of `text`: `m` of `s/m^3` is 3.
 int powerOf(char letter, const std::string& text) {

@@ -13,7 +13,6 @@
 namespace wems::identify {
 namespace {
 
-constexpr double kQuantile = 1.959963984540054;  // of 95 % of a normal variable
 constexpr double kLargestDecibels = 120.0;
 constexpr double kRivalProbability = 0.02;  // a set at least this likely makes its causes rivals
 constexpr double kStill = 1;                // the error of a response that does not move
@@ -68,7 +67,7 @@ private:
     }
 
     CauseParameter makeParameter(int index, const ResidualFit& fit) const {
-        const double width = kQuantile * std::sqrt(std::max(0.0, fit.covariance(index, index)));
+        const double width = kTwoSided95 * std::sqrt(std::max(0.0, fit.covariance(index, index)));
         return {row(index).name, row(index).unit, fit.values[index], fit.values[index] - width,
                 fit.values[index] + width};
     }

@@ -9,14 +9,14 @@
 #include "identify/problem/run_filter.hpp"
 #include "identify/updating/settling.hpp"
 #include "identify/updating/test_problem.hpp"
+#include "identify/verdict/diagnosis.hpp"
 #include "models/parameter_access.hpp"
 
 namespace wems::identify::updating {
 namespace {
 
-constexpr double kTwoSided = 1.959963984540054;  // of 95 % of a normal variable
-constexpr double kFree = 10;                     // relative tolerance of a law's number: five times itself as deviation
-constexpr int kMostSteps = 16;                   // of Gauss and Newton, for time: as many as sets of causes have
+constexpr double kFree = 10;    // relative tolerance of a law's number: five times itself as deviation
+constexpr int kMostSteps = 16;  // of Gauss and Newton, for time: as many as sets of causes have
 
 /// Laws free, all else exactly known.
 MountModel freeLaws(MountModel model) {
@@ -116,7 +116,7 @@ std::optional<FitResult> refineCoarseContacts(const FitResult& fit, const std::v
     const auto calcError = [&](const Eigen::VectorXd& combination) {
         return std::sqrt(std::max(0.0, combination.dot(covariance * combination)));
     };
-    const auto calcHalfWidth = [&](const Eigen::VectorXd& combination) { return kTwoSided * calcError(combination); };
+    const auto calcHalfWidth = [&](const Eigen::VectorXd& combination) { return kTwoSided95 * calcError(combination); };
 
     FitResult result = fit;
     result.parameters.clear();

@@ -31,6 +31,12 @@ const AxisLaw& lawOf(const MountModel& model, Eigen::Index row) {
     return model.connections[static_cast<std::size_t>(connection)].axis.at(static_cast<std::size_t>(axis));
 }
 
+/// `4.z`
+std::string nameAxis(const MountModel& model, Eigen::Index row) {
+    const auto [connection, axis] = splitRow(row);
+    return model.connections[static_cast<std::size_t>(connection)].name + "." + "xyz"[axis];
+}
+
 /// Rows of the axes of which a cause says an elastic law; none if it says something else.
 std::set<Eigen::Index> findAxes(const TestProblem& problem, const Hypothesis& hypothesis) {
     std::set<Eigen::Index> rows;
@@ -42,20 +48,29 @@ std::set<Eigen::Index> findAxes(const TestProblem& problem, const Hypothesis& hy
     return rows;
 }
 
-/// Curves over the range of some axes in all runs, the same at each: those of one axis after another. Their slopes are
-/// those of a spring of 1 N/m at most.
-std::vector<AddedCurve> makeCurves(const TestProblem& problem, const MountModel& model,
-                                   const std::set<Eigen::Index>& axes) {
+/// Of displacements, m.
+struct Range {
+    double lower = 0, upper = 0;
+};
+
+/// Of some axes in all runs, together.
+Range findRange(const TestProblem& problem, const MountModel& model, const std::set<Eigen::Index>& axes) {
     AxisReach reach(model);
     for (const TestRun& run : problem.runs()) reach.widen(run.motion, model);
-    double lower = 0, upper = 0;
+    Range range;
     for (const Eigen::Index row : axes) {
-        lower = std::min(lower, -reach.negative[row]);
-        upper = std::max(upper, reach.positive[row]);
+        range.lower = std::min(range.lower, -reach.negative[row]);
+        range.upper = std::max(range.upper, reach.positive[row]);
     }
+    return range;
+}
+
+/// Curves over a range, the same at each axis: those of one axis after another. Their slopes are those of a spring of
+/// 1 N/m at most.
+std::vector<AddedCurve> makeCurves(const Range& range, const std::set<Eigen::Index>& axes) {
     std::vector<AddedCurve> curves;
     for (const Eigen::Index row : axes)
-        for (auto& rows : makeMonotoneCurves(lower, upper, kCells)) {
+        for (auto& rows : makeMonotoneCurves(range.lower, range.upper, kCells)) {
             const auto [connection, axis] = splitRow(row);
             curves.push_back({connection, axis, std::move(rows)});
         }
@@ -78,26 +93,67 @@ bool takesHalf(const std::vector<double>& with, const std::vector<double>& witho
     return true;
 }
 
+/// Force (N) of an axis over the displacements of its curves, without them.
+Eigen::VectorXd calcForce(const MountModel& model, Eigen::Index row, const std::vector<CurveRow>& at) {
+    const AxisForce law(lawOf(model, row));
+    Eigen::VectorXd force(static_cast<Eigen::Index>(at.size()));
+    for (std::size_t i = 0; i < at.size(); ++i) force[i] = law.calcStaticForce(at[i].displacement);
+    return force;
+}
+
+/// Law and curves of an axis, within the range. @param posterior of the table's columns, then of the curves
+ElasticLaw makeLaw(const TestProblem& problem, const HypothesisSet& set, const std::vector<AddedCurve>& curves,
+                   const Range& range, const Posterior& posterior, Eigen::Index row) {
+    const std::vector<CurveRow>& at = curves.front().rows;
+    const Eigen::Index first = problem.deviations().size();
+    const TestPoint point = problem.pointAt(posterior.mean.head(first), set);
+    Eigen::VectorXd force = calcForce(point.state.model, row, at);
+    Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(force.size(), posterior.mean.size());
+    for (std::size_t i = 0; i < problem.table().size(); ++i) {
+        const Unknown& number = problem.table()[i];
+        if (number.kind != UnknownKind::law || 3 * number.first + number.second != row) continue;
+        TestState moved = point.state;
+        number.set(moved, point.values[i] + number.step);
+        slope.col(i) = (calcForce(moved.model, row, at) - force) / number.step;
+    }
+    for (std::size_t k = 0; k < curves.size(); ++k) {
+        if (3 * curves[k].connection + curves[k].axis != row) continue;
+        for (std::size_t i = 0; i < at.size(); ++i) slope(i, first + k) = curves[k].rows[i].force;
+    }
+    force += slope.rightCols(curves.size()) * posterior.mean.tail(curves.size());
+    ElasticLaw law;
+    law.where = nameAxis(point.state.model, row);
+    const Eigen::VectorXd believed = calcForce(problem.believedPoint().state.model, row, at),
+                          variance = (slope * posterior.covariance * slope.transpose()).diagonal();
+    for (std::size_t i = 0; i < at.size(); ++i) {
+        if (at[i].displacement < range.lower || at[i].displacement > range.upper) continue;
+        law.displacement.push_back(at[i].displacement);
+        law.believed.push_back(believed[i]);
+        law.force.push_back(force[i]);
+        law.deviation.push_back(std::sqrt(std::max(0.0, variance[i])));
+    }
+    return law;
+}
+
 Eigen::VectorXd extend(const Eigen::VectorXd& values, Eigen::Index count, double value) {
     Eigen::VectorXd result = Eigen::VectorXd::Constant(values.size() + count, value);
     result.head(values.size()) = values;
     return result;
 }
 
-}  // namespace
-
-std::optional<double> calcOtherFormOdds(const TestProblem& problem, const Settler& settler, const SetState& state,
-                                        int member) {
+/// @param member whose law the curve stands beside, −1 if there is none
+std::optional<OtherForm> offerCurve(const TestProblem& problem, const Settler& settler, const SetState& state,
+                                    const std::set<Eigen::Index>& axes, int member, double log_prior) {
     if (isSatisfied(calcMisfits(sumOf(state.view, true), problem.estimateOf(state.point)))) return std::nullopt;
     const MountModel& model = state.point.state.model;
-    const std::set<Eigen::Index> axes = findAxes(problem, problem.hypotheses()[member]);
     if (axes.empty()) return std::nullopt;
     double stiffness = 0;
     for (const Eigen::Index row : axes) {
         if (!lawOf(model, row).curve.empty()) return std::nullopt;
         stiffness = std::max(stiffness, lawOf(model, row).stiffness);
     }
-    const std::vector<AddedCurve> curves = makeCurves(problem, model, axes);
+    const Range range = findRange(problem, model, axes);
+    const std::vector<AddedCurve> curves = makeCurves(range, axes);
     const auto count = static_cast<Eigen::Index>(curves.size());
     const Information all = sumOf(problem.view(state.point, state.set, curves), true);
     const Eigen::VectorXd deviations = extend(problem.deviations(), count, 0);
@@ -114,7 +170,7 @@ std::optional<double> calcOtherFormOdds(const TestProblem& problem, const Settle
     HypothesisSet free = named;
     free.push_back(static_cast<int>(statements.size()));
     Hypothesis form;
-    form.log_prior = problem.hypotheses()[member].log_prior;
+    form.log_prior = log_prior;
     const auto each = count / static_cast<Eigen::Index>(axes.size());
     for (Eigen::Index i = 0; i < each; ++i) {
         Direction& alike = form.directions.emplace_back();
@@ -123,14 +179,40 @@ std::optional<double> calcOtherFormOdds(const TestProblem& problem, const Settle
     }
     statements.push_back(std::move(form));
 
+    const auto makeEvidence = [&](const BlockScales& scales) {
+        return Evidence(combine(all, scales, reaches), deviations, statements);
+    };
     const auto solve = [&](const HypothesisSet& set) {
-        return settler.solveSettled(all, [&](const BlockScales& scales) {
-            return Evidence(combine(all, scales, reaches), deviations, statements).solve(set);
-        });
+        return settler.solveSettled(all, [&](const BlockScales& scales) { return makeEvidence(scales).solve(set); });
     };
     const SetSolution without = solve(named), with = solve(free);
-    if (!takesHalf(calcMisfits(all, with.mean), calcMisfits(all, without.mean))) return std::nullopt;
-    return settler.calcLogEvidence(all, with) - settler.calcLogEvidence(all, without);
+    const std::vector<double> left = calcMisfits(all, with.mean);
+    if (!takesHalf(left, calcMisfits(all, without.mean))) return std::nullopt;
+    OtherForm found;
+    found.log_odds = settler.calcLogEvidence(all, with) - settler.calcLogEvidence(all, without);
+    const Posterior posterior = makeEvidence(settler.scalesOf(left)).calcPosterior(free);
+    for (const Eigen::Index row : axes)
+        found.laws.push_back(makeLaw(problem, state.set, curves, range, posterior, row));
+    return found;
+}
+
+}  // namespace
+
+std::optional<OtherForm> findOtherForm(const TestProblem& problem, const Settler& settler, const SetState& state,
+                                       int member) {
+    const Hypothesis& hypothesis = problem.hypotheses()[member];
+    return offerCurve(problem, settler, state, findAxes(problem, hypothesis), member, hypothesis.log_prior);
+}
+
+std::vector<ElasticLaw> findElasticLaw(const TestProblem& problem, const Settler& settler, const SetState& state,
+                                       const std::string& place) {
+    std::set<Eigen::Index> axis;
+    const auto& connections = state.point.state.model.connections;
+    const auto rows = static_cast<Eigen::Index>(3 * connections.size());
+    for (Eigen::Index row = 0; row < rows; ++row)
+        if (nameAxis(state.point.state.model, row) == place) axis.insert(row);
+    const auto found = offerCurve(problem, settler, state, axis, -1, -std::log(static_cast<double>(rows)));
+    return found && found->log_odds > 0 ? found->laws : std::vector<ElasticLaw>{};
 }
 
 }  // namespace wems::identify::updating

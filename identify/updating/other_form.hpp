@@ -7,19 +7,33 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "identify/updating/settling.hpp"
+#include "identify/verdict/diagnosis.hpp"
 
 namespace wems::identify::updating {
 
-/// Log odds of a curve of free form beside the law of a cause's axes, the same at each, against the law alone, by the
-/// quadratic about the state. Either is given the size of discrepancy that it leaves.
+struct OtherForm {
+    double log_odds = 0;           ///< of the curve beside the law of the cause, against the law alone
+    std::vector<ElasticLaw> laws;  ///< with the curve, of each axis of the cause
+};
+
+/// A curve of free form beside the law of a cause's axes, the same at each, by the quadratic about the state. With it
+/// or without, the equations are given the size of discrepancy that is left.
 ///
 /// Nothing where the equations are satisfied: the level of the noise is not known so well that a curve could not take
 /// some of it. Nothing where the curve does not take half of what is left: something else is at work, which a curve
 /// follows here and there. Nothing, too, where the cause says no elastic law, or such an axis has a curve in the model.
 /// @param member of the state's set
-std::optional<double> calcOtherFormOdds(const TestProblem& problem, const Settler& settler, const SetState& state,
-                                        int member);
+std::optional<OtherForm> findOtherForm(const TestProblem& problem, const Settler& settler, const SetState& state,
+                                       int member);
+
+/// The same at an axis that no cause speaks of: its law as the recordings have it; none for the reasons above, or if
+/// the evidence is against it.
+/// @param place connection.axis; another is none
+std::vector<ElasticLaw> findElasticLaw(const TestProblem& problem, const Settler& settler, const SetState& state,
+                                       const std::string& place);
 
 }  // namespace wems::identify::updating

@@ -166,12 +166,13 @@ private:
         for (bool changed = true; changed;) {
             changed = false;
             for (const int h : state_.set) {
-                const std::optional<double> odds = calcOtherFormOdds(problem_, settler_, state_, h);
-                if (!odds || *odds <= 0) continue;
+                const std::optional<OtherForm> other = findOtherForm(problem_, settler_, state_, h);
+                if (!other || other->log_odds <= 0) continue;
                 Decision decision;
                 decision.action = "no cause: the force of the displacement has another form than " + describe(at(h)) +
-                                  " (log odds " + formatNumber(*odds, 3) + ")";
+                                  " (log odds " + formatNumber(other->log_odds, 3) + ")";
                 decision.misfit = calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point));
+                result_.elastic_laws.insert(result_.elastic_laws.end(), other->laws.begin(), other->laws.end());
                 leaveOut(h);
                 conclude(decision, true);
                 changed = true;

@@ -7,6 +7,7 @@
 
 #include "identify/updating/answer_judge.hpp"
 #include "identify/updating/naming.hpp"
+#include "identify/updating/other_form.hpp"
 #include "identify/updating/remainder.hpp"
 #include "identify/updating/test_problem.hpp"
 #include "identify/verdict/free_error.hpp"
@@ -15,7 +16,6 @@
 namespace wems::identify::updating {
 namespace {
 
-constexpr double kQuantile = 1.959963984540054;  // of 95 % of a normal variable
 constexpr double kLargestDecibels = 120.0;
 constexpr double kRivalProbability = 0.02;  // a set at least this likely makes its causes rivals
 constexpr double kTold = 0.25;              // of the prior variance, which the recordings leave of a number
@@ -76,6 +76,7 @@ public:
         judge();
         addSpectrum();
         result_.decisions = selection_.decisions;
+        result_.elastic_laws = selection_.elastic_laws;
         result_.misfit_before = selection_.decisions.front().misfit.front();
         result_.misfit_after = selection_.decisions.back().misfit.front();
         return std::move(result_);
@@ -101,7 +102,7 @@ private:
     }
 
     CauseParameter makeParameter(int index, const Posterior& posterior, double value) const {
-        const double width = kQuantile * std::sqrt(std::max(0.0, posterior.covariance(index, index)));
+        const double width = kTwoSided95 * std::sqrt(std::max(0.0, posterior.covariance(index, index)));
         return {reportName(row(index).name), row(index).unit, value, value - width, value + width};
     }
 
@@ -116,7 +117,7 @@ private:
             for (const auto& [frequency, gain] : gains) {
                 char name[40];
                 std::snprintf(name, sizeof name, "gain at %.4g Hz", frequency);
-                const double width = kQuantile * std::sqrt(std::max(0.0, posterior.covariance(column, column)));
+                const double width = kTwoSided95 * std::sqrt(std::max(0.0, posterior.covariance(column, column)));
                 parameters.push_back({name, "-", gain, gain - width, gain + width});
                 ++column;
             }
@@ -145,7 +146,7 @@ private:
         for (const auto& [column, weight] : direction) rows.push_back(column);
         const double count = static_cast<double>(rows.size());
         const double value = point.values(rows).sum() / count;
-        const double width = kQuantile * std::sqrt(std::max(0.0, posterior.covariance(rows, rows).sum())) / count;
+        const double width = kTwoSided95 * std::sqrt(std::max(0.0, posterior.covariance(rows, rows).sum())) / count;
         const Unknown& first = row(rows.front());
         const std::string key = first.name.substr(first.name.rfind('.'));
         return {reportPlace(hypothesis.where.front()) + key, first.unit, value, value - width, value + width};
@@ -316,6 +317,10 @@ private:
             result_.verdict = Diagnosis::Verdict::unexplained;
             result_.unexplained_where =
                 locateRemainder(selection_.state.view, selection_.decisions.back().misfit, result_.extended);
+            // Is it a force of the displacement alone? A cause that had another form has told so.
+            for (const std::string& place : result_.unexplained_where)
+                if (result_.elastic_laws.empty())
+                    result_.elastic_laws = findElasticLaw(problem_, Settler(problem_), selection_.state, place);
         } else {
             result_.verdict =
                 selection_.state.set.empty() ? Diagnosis::Verdict::nothing_missing : Diagnosis::Verdict::explained;

@@ -11,6 +11,9 @@
 
 namespace wems::identify {
 
+/// Half width of the 95 % interval of a normal variable, in standard deviations.
+inline constexpr double kTwoSided95 = 1.959963984540054;
+
 /// A fitted parameter under the name that results use. Value and interval are not finite for a stop that is removed.
 struct CauseParameter {
     std::string name, unit;
@@ -78,6 +81,14 @@ struct MisfitSpectrum {
     std::vector<double> frequency, before, after;  ///< Hz, -, -
 };
 
+/// The elastic force of an axis as the recordings have it, where no law of the catalogue is it: over the range of the
+/// displacement, what a static test of that axis would show.
+struct ElasticLaw {
+    std::string where;  ///< connection.axis
+    /// Displacement (m), force (N) of the believed law and of the recordings, standard deviation (N) of the latter.
+    std::vector<double> displacement, believed, force, deviation;
+};
+
 struct Diagnosis {
     enum class Verdict { explained, nothing_missing, unexplained };
     Verdict verdict = Verdict::nothing_missing;
@@ -88,6 +99,7 @@ struct Diagnosis {
     std::vector<Cause> causes;                   ///< by falling gain
     std::vector<Adjustment> adjustments;         ///< of which the recordings say something
     std::vector<std::string> unexplained_where;  ///< connection.axis, `bracket`, then `free` or `contact`
+    std::vector<ElasticLaw> elastic_laws;        ///< of another form than any cause gives them
     MountModel extended;
     bool of_element = false;   ///< errors are of an element's force, not of a free simulation's displacements
     bool validated = false;    ///< false: the identification runs had to judge themselves
