@@ -81,6 +81,9 @@ bool AnswerJudge::judgePrediction(const Selection& selection, Judgement& judgeme
 bool AnswerJudge::judgeIdentification(const Selection& selection, Judgement& judgement) const {
     const double floor = judgement.noise_floor.identification, after = judgement.after.identification;
     if (!isWorthExplaining({after, floor})) return false;
+    // Where the equations of these very runs are left with noise, the simulation errs by what it amplifies.
+    const Information& own = selection.state.view.identification;
+    if (isNoiseAlone(own, calcMisfits(own, problem_.estimateOf(selection.state.point)))) return false;
     judgement.identification_band = calcBand(own_, selection.state.set, selection.state.point, selection.noise, floor);
     return isLeft(selection, after, *judgement.identification_band, floor);
 }

@@ -99,34 +99,6 @@ TEST_CASE("A force that no law describes is unexplained, at its axis", "[diagnos
     });
 }
 
-TEST_CASE("An elastomer that buckles is no cubic stiffness, and its force over the displacement is told",
-          "[diagnose]") {
-    test::drawUntilClear([](std::uint64_t seed) -> std::string {
-        auto hidden = draw("none", seed);
-        for (std::uint64_t next = seed + 1; hidden.displacement_noise == 0; ++next) hidden = draw("none", next);
-        const AxisLaw& law = hidden.base.connections[1].axis[2];
-        auto& outside = hidden.outside;
-        outside.kind = hidden::OutsideEffect::Kind::buckling;
-        outside.connection = 1;
-        outside.axis = 2;
-        outside.length = 0.25 * law.stops.front().clearance;
-        outside.size = -0.5 * law.stiffness * outside.length;
-        const auto diagnosis = diagnoseCase(hidden, seed);
-        if (formatVerdict(diagnosis.verdict) != "unexplained" || !listNamed(diagnosis).empty())
-            return formatVerdict(diagnosis.verdict);
-        if (diagnosis.elastic_laws.size() != 1 || diagnosis.elastic_laws.front().where != "2.z")
-            return "no elastic law, or elsewhere";
-        // It pushes most one length from rest.
-        const ElasticLaw& told = diagnosis.elastic_laws.front();
-        double most = 0;
-        for (std::size_t i = 0; i < told.displacement.size(); ++i)
-            if (std::abs(told.displacement[i]) < law.stops.front().clearance)
-                most = std::max(most, std::abs(told.force[i] - told.believed[i]));
-        const double truth = std::abs(outside.size);
-        return std::abs(most - truth) < 0.1 * truth ? "" : "another size of the force";
-    });
-}
-
 TEST_CASE("What acted in one identification recording alone is unexplained though the validation is foretold",
           "[diagnose]") {
     test::drawUntilClear([](std::uint64_t seed) -> std::string {

@@ -57,9 +57,8 @@ public:
         const double largest = q.row(row).cwiseAbs().maxCoeff();
         across.friction = Friction{0.25 * across.stiffness * largest, 1e-3, {}};
     }
-    TestProblem record() const {
-        return {{hidden::recordForward(hidden_, 0, seed_)}, {}, hidden_.believed, Numbers::exact};
-    }
+    Recording record() const { return hidden::recordForward(hidden_, 0, seed_); }
+    const MountModel& believed() const { return hidden_.believed; }
 
 private:
     hidden::Random random_;
@@ -112,7 +111,7 @@ TEST_CASE("A cubic law stands where it is one, and falls where another elastic l
         else
             law.curve = makeBuckling(share * law.stiffness, length);
         if (hidden == "cubic and friction") device.addFriction();
-        const TestProblem problem = device.record();
+        const TestProblem problem({device.record()}, {}, device.believed(), Numbers::exact);
         const Settler settler(problem);
         const SetState state = settleCubic(problem, settler, device.place());
         const std::vector<double> misfits = calcMisfits(sumOf(state.view, true), problem.estimateOf(state.point));
