@@ -11,7 +11,6 @@
 namespace wems::identify {
 namespace {
 
-
 /// Of `letter` as a word of `text`: `m` of `s/m^3` is 3.
 int powerOf(char letter, const std::string& text) {
     for (std::size_t i = 0; i < text.size(); ++i) {
