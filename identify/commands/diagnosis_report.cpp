@@ -110,12 +110,23 @@ void addSpectrum(const Diagnosis& diagnosis, HtmlReport& page) {
     page.addPlot(plot);
 }
 
-/// What no cause describes, as a static test would show it.
+/// What no cause describes, beside the believed law: a stop's force would hide it.
 void addElasticLaws(const Diagnosis& diagnosis, HtmlReport& page) {
     for (const ElasticLaw& law : diagnosis.elastic_laws) {
-        Plot plot{"Elastic force of " + law.where + ", which no cause describes", "displacement [m]", "force [N]", {}};
-        plot.series.push_back({"believed", law.displacement, law.believed, false, kBeforeColor});
-        plot.series.push_back({"as the recordings have it", law.displacement, law.force, false, kAfterColor});
+        std::vector<double> displacement, beyond, lower, upper;
+        for (std::size_t i = 0; i < law.displacement.size(); ++i) {
+            displacement.push_back(1e3 * law.displacement[i]);
+            beyond.push_back(law.force[i] - law.believed[i]);
+            lower.push_back(beyond.back() - kTwoSided95 * law.deviation[i]);
+            upper.push_back(beyond.back() + kTwoSided95 * law.deviation[i]);
+        }
+        Plot plot{"Elastic force of " + law.where + " that no cause describes, beyond the believed law",
+                  "relative displacement [mm]",
+                  "force [N]",
+                  {}};
+        plot.series.push_back({"as the recordings have it", displacement, beyond, false, kAfterColor});
+        plot.series.push_back({"95 % interval, lower", displacement, lower, true, kAfterColor});
+        plot.series.push_back({"95 % interval, upper", displacement, upper, true, kAfterColor});
         page.addPlot(plot);
     }
 }

@@ -25,7 +25,8 @@ struct OtherForm {
 ///
 /// Nothing where the equations are satisfied: the level of the noise is not known so well that a curve could not take
 /// some of it. Nothing where the curve does not take half of what is left: something else is at work, which a curve
-/// follows here and there. Nothing, too, where the cause says no elastic law, or such an axis has a curve in the model.
+/// follows here and there. Nothing, too, where the cause says no elastic law, or where its axes stand still, have no
+/// elastomer, or have a curve in the model.
 /// @param member of the state's set
 std::optional<OtherForm> findOtherForm(const TestProblem& problem, const Settler& settler, const SetState& state,
                                        int member);

@@ -51,7 +51,7 @@ public:
         result_.beyond = std::move(named.beyond);
         result_.decisions.insert(result_.decisions.end(), named.decisions.begin(), named.decisions.end());
         dropWorthless();
-        dropOtherForms();
+        dropOtherForm();
         result_.fitted = state_.point;
         // What the model leaves beyond the noise is no excuse for its prediction: scales of a perfect model.
         result_.fitted_noise = makeEvidence(problem_, state_.view, {}, true).calcPosterior(state_.set);
@@ -161,24 +161,25 @@ private:
         }
     }
 
-    /// Elastic laws of another form than a cause gives them.
-    void dropOtherForms() {
-        for (bool changed = true; changed;) {
-            changed = false;
-            for (const int h : state_.set) {
-                const std::optional<OtherForm> other = findOtherForm(problem_, settler_, state_, h);
-                if (!other || other->log_odds <= 0) continue;
-                Decision decision;
-                decision.action = "no cause: the force of the displacement has another form than " + describe(at(h)) +
-                                  " (log odds " + formatNumber(other->log_odds, 3) + ")";
-                decision.misfit = calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point));
-                result_.elastic_laws.insert(result_.elastic_laws.end(), other->laws.begin(), other->laws.end());
-                leaveOut(h);
-                conclude(decision, true);
-                changed = true;
-                break;
-            }
+    /// The cause of an elastic law for which another form speaks most is taken back. Of one alone: what it leaves then
+    /// would speak against causes of neighbouring axes, too.
+    void dropOtherForm() {
+        std::optional<OtherForm> best;
+        int taken_back = -1;
+        for (const int h : state_.set) {
+            std::optional<OtherForm> other = findOtherForm(problem_, settler_, state_, h);
+            if (!other || other->log_odds <= (best ? best->log_odds : 0)) continue;
+            best = std::move(other);
+            taken_back = h;
         }
+        if (!best) return;
+        Decision decision;
+        decision.action = "the force of the displacement has another form than " + describe(at(taken_back)) +
+                          ", log odds " + formatNumber(best->log_odds, 3);
+        decision.misfit = calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point));
+        result_.elastic_laws = std::move(best->laws);
+        leaveOut(taken_back);
+        conclude(decision, true);
     }
 
     /// The state without a cause.

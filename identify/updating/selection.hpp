@@ -21,7 +21,7 @@ struct Selection {
     /// Of all runs, and of the identification runs, as the noise alone would have it.
     Posterior fitted_noise, noise;
     std::vector<Decision> decisions;
-    std::vector<ElasticLaw> elastic_laws;  ///< for which causes were taken that have another form
+    std::vector<ElasticLaw> elastic_laws;  ///< of a cause that was taken back
     /// Of causes that are numbers found beyond their tolerance: the probability that they are.
     std::map<int, double> beyond;
     bool asks_for_more = false;  ///< exact numbers, though there are tolerances, would need more causes
