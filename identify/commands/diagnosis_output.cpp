@@ -339,6 +339,14 @@ std::string describeLargest(const Cause& cause, const MountModel& believed) {
     return text;
 }
 
+/// Where the force over the displacement is one that no cause describes; empty if it is nowhere.
+std::string describeOtherForms(const Diagnosis& diagnosis) {
+    std::vector<std::string> places;
+    for (const ElasticLaw& law : diagnosis.elastic_laws) places.push_back(law.where);
+    if (places.empty()) return {};
+    return ": the elastic force of " + joinWords(places, ", ") + " has another form than any cause gives it";
+}
+
 }  // namespace
 
 std::string makeHeadline(const Diagnosis& diagnosis, const MountModel& believed) {
@@ -348,13 +356,15 @@ std::string makeHeadline(const Diagnosis& diagnosis, const MountModel& believed)
                                         [](const Cause& a, const Cause& b) { return a.gain_db < b.gain_db; });
     if (cause == diagnosis.causes.end())
         return diagnosis.verdict == Diagnosis::Verdict::unexplained
-                   ? "The simulation errs by " + error + ", and no cause of the catalogue explains it."
+                   ? "The simulation errs by " + error + ", and no cause of the catalogue explains it" +
+                         describeOtherForms(diagnosis) + "."
                    : "Nothing is missing: the simulation errs by " + error + ", as noise and tolerances allow.";
     std::string text =
         cause->cause == "cog_offset" ? describeOffset(*cause, believed) : describeLargest(*cause, believed);
     if (const long share = std::lround(100 * cause->share); share > 0)
         text += "; this explains " + std::to_string(share) + " % of the error";
-    if (diagnosis.verdict == Diagnosis::Verdict::unexplained) text += ". Something else is missing too";
+    if (diagnosis.verdict == Diagnosis::Verdict::unexplained)
+        text += ". Something else is missing too" + describeOtherForms(diagnosis);
     return text + ".";
 }
 
