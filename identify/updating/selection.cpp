@@ -43,13 +43,11 @@ public:
         settler_.settle(state_, kMostSettling, true);
         result_.adjusted = state_.point;
         standing_.judged = judge_(state_.point, state_.set);
-        for (int round = 0; round < kMostRounds; ++round)
-            if (!step(round)) break;
-        settled_.finish(standing_);
-        tell("tolerances");
-        NamedNumbers named = nameNumbers(problem_, settler_, judge_, kMostCauses, standing_);
-        result_.beyond = std::move(named.beyond);
-        result_.decisions.insert(result_.decisions.end(), named.decisions.begin(), named.decisions.end());
+        int round = 0;
+        do {
+            while (round < kMostRounds && step(round)) ++round;
+            settled_.finish(standing_);
+        } while (nameBeyond() && takeFewer());
         dropWorthless();
         dropOtherForm();
         result_.fitted = state_.point;
@@ -139,6 +137,24 @@ private:
         const Information all = sumOf(state_.view, true);
         const bool doubtful = !isNoiseAlone(all, calcMisfits(all, problem_.estimateOf(state_.point)));
         return !isWorthless(standing_.judged, without) && !(doubtful && isBelowNoise(standing_.judged, without));
+    }
+
+    /// Numbers that adjustments carried beyond their tolerances become causes.
+    /// @return whether there were any
+    bool nameBeyond() {
+        tell("tolerances");
+        const NamedNumbers named = nameNumbers(problem_, settler_, judge_, kMostCauses, standing_);
+        for (const auto& [number, probability] : named.beyond) result_.beyond[number] = probability;
+        result_.decisions.insert(result_.decisions.end(), named.decisions.begin(), named.decisions.end());
+        return !named.beyond.empty();
+    }
+
+    /// A mechanism that was taken while such a number was held to its tolerance may have stood for it.
+    bool takeFewer() {
+        if (problem_.numbers() == Numbers::exact || state_.set.size() < 2) return false;
+        Decision decision;
+        decision.misfit = calcMisfits(sumOf(state_.view, true), problem_.estimateOf(state_.point));
+        return conclude(decision, tolerant_.takeFewer(ownEvidence(), standing_, decision));
     }
 
     /// Causes of earlier rounds without which the prediction is as good by now, and numbers that others have put back

@@ -30,21 +30,8 @@ TolerantSearch::TolerantSearch(TestProblem& problem, const Settler& settler, con
 
 bool TolerantSearch::takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
                               Decision& decision) {
+    if (takeFewer(evidence, standing, decision)) return true;
     const SetState& present = standing.state;
-    const Information all = sumOf(present.view, true);
-    const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(present.point));
-    excess_ = calcExcessOf(misfits);
-    noise_alone_ = isNoiseAlone(all, misfits);
-    present_ = settler_.calcLogEvidence(present);
-    fitted_.clear();
-    reached_.insert(present.set);
-    if (std::optional<Attempt> fewer = findFewer(evidence, standing)) {
-        standing.ranked = {{fewer->state.set, fewer->log_evidence}, {present.set, present_}};
-        take(std::move(*fewer), standing);
-        decision.action = "causes changed";
-        decision.fitted = std::move(fitted_);
-        return true;
-    }
     if (!isHopeful(evidence, candidates, present)) {
         decision.action = "no cause takes half of what the equations leave";
         decision.fitted = std::move(fitted_);
@@ -73,6 +60,29 @@ bool TolerantSearch::takeBest(const Evidence& evidence, const std::vector<Ranked
     decision.action = changed ? "causes changed" : "nothing more to add, take away or exchange";
     decision.fitted = std::move(fitted_);
     return changed;
+}
+
+bool TolerantSearch::takeFewer(const Evidence& evidence, Standing& standing, Decision& decision) {
+    begin(standing.state);
+    std::optional<Attempt> fewer = findFewer(evidence, standing);
+    if (fewer) {
+        standing.ranked = {{fewer->state.set, fewer->log_evidence}, {standing.state.set, present_}};
+        take(std::move(*fewer), standing);
+    }
+    decision.action = fewer ? "causes changed" : "no cause is taken back";
+    decision.fitted = fitted_;
+    return fewer.has_value();
+}
+
+/// What the sets of a round are weighed against.
+void TolerantSearch::begin(const SetState& present) {
+    const Information all = sumOf(present.view, true);
+    const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(present.point));
+    excess_ = calcExcessOf(misfits);
+    noise_alone_ = isNoiseAlone(all, misfits);
+    present_ = settler_.calcLogEvidence(present);
+    fitted_.clear();
+    reached_.insert(present.set);
 }
 
 /// The likeliest set with one cause less than the present one that is more so and serves: what was taken first may have

@@ -27,6 +27,12 @@ public:
     bool takeBest(const Evidence& evidence, const std::vector<RankedSet>& candidates, Standing& standing,
                   Decision& decision);
 
+    /// Moves to a set with one cause less, if some set of that kind is likelier than the present one and serves.
+    /// @param evidence of the view at the present state
+    /// @param[out] decision what was done, and the sets that were fitted
+    /// @return whether the set changed
+    bool takeFewer(const Evidence& evidence, Standing& standing, Decision& decision);
+
     /// Causes without which, when they were taken, the equations left twice as much or numbers beyond their tolerances.
     const std::vector<int>& needed() const { return needed_; }
 
@@ -41,6 +47,7 @@ private:
     };
 
     void tell(const std::string& text) const;
+    void begin(const SetState& present);
     std::optional<Attempt> findFewer(const Evidence& evidence, const Standing& standing);
     bool isHopeful(const Evidence& evidence, const std::vector<RankedSet>& candidates, const SetState& present) const;
     std::optional<Attempt> findServing(std::vector<Trial>& trials, const Standing& standing, int& attempts);

@@ -41,6 +41,13 @@ public:
         return search.takeBest(evidence, evidence.search({state.set}, 6, state.set.size() + 1), standing_, decision_);
     }
 
+    /// @return whether a cause was taken back
+    bool takeFewer() {
+        TolerantSearch search(problem_, settler_, judge_, {}, silent_);
+        const SetState& state = standing_.state;
+        return search.takeFewer(makeEvidence(problem_, state.view, state.scales, true), standing_, decision_);
+    }
+
     int find(const std::string& cause) const {
         const auto& all = problem_.hypotheses();
         const auto found =
@@ -135,6 +142,26 @@ TEST_CASE("A cause that another one makes needless is taken back", "[updating]")
     const auto& fitted = round.decision().fitted;
     REQUIRE(fitted.size() == 2);  // without either of them
     CHECK(std::count_if(fitted.begin(), fitted.end(), [](const FittedSet& own) { return own.outcome == kTaken; }) == 1);
+}
+
+TEST_CASE("Of two numbers one is taken back where the model has it right, none where both are wrong", "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const MountModel believed = identify::testing::makeRandomDevice(random);
+    for (const bool both_wrong : {true, false}) {
+        MountModel truth = scale(believed, 1.5);
+        const char* const other = "2.z.stiffness";
+        if (both_wrong) setParameter(truth, other, 0.6 * getParameter(truth, other));
+        Round round(truth, believed, random, 0.5);
+        HypothesisSet both{round.find(kName), round.find("elastomer_stiffness 2.z")};
+        std::sort(both.begin(), both.end());
+        round.beginWith(both);
+        CAPTURE(both_wrong);
+        CHECK(round.takeFewer() != both_wrong);
+        CHECK(round.causes().size() == (both_wrong ? 2 : 1));
+        CHECK(round.decision().fitted.size() == 2);  // without either of them
+    }
 }
 
 }  // namespace wems::identify::updating
