@@ -38,49 +38,66 @@ SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model, Eigen:
     holdMotions(M, freedom_, 0);
     holdMotions(least_, freedom_, kHeld * stiffest);
     // Most axes are at rest most of the time: a contact adds to what they have there.
-    Matrix6 at_rest = Matrix6::Zero();
+    at_rest_ = Matrix6::Zero();
+    std::vector<Vector6> directions;
     std::vector<Eigen::VectorXd> beyond_rest;
     for (std::size_t i = 0; i < model.connections.size(); ++i)
         for (int a = 0; a < 3; ++a) {
             const AxisLaw& law = model.connections[i].axis[a];
             const auto d = calcAxisDirection(model, static_cast<int>(i), a);
             const double rest = AxisForce(law).calcStaticStiffness(0);
-            at_rest += rest * d * d.transpose();
+            at_rest_ += rest * d * d.transpose();
+            directions.push_back(freedom_.cwiseProduct(d));
             beyond_rest.emplace_back(calcTangent(run, law, static_cast<Eigen::Index>(beyond_rest.size())).array() -
                                      rest);
         }
-    holdMotions(at_rest, freedom_, stiffest);
-    tangent_.assign(samples, at_rest);
-    for (std::size_t row = 0; row < beyond_rest.size(); ++row) {
-        const Vector6 d =
-            freedom_.cwiseProduct(calcAxisDirection(model, static_cast<int>(row / 3), static_cast<int>(row % 3)));
-        const Matrix6 along = d * d.transpose();
-        for (Eigen::Index k = 0; k < samples; ++k)
-            if (beyond_rest[row][k] != 0) tangent_[k] += beyond_rest[row][k] * along;
+    holdMotions(at_rest_, freedom_, stiffest);
+    for (Eigen::Index k = 0; k < samples; ++k) {
+        bool touched = false;
+        for (std::size_t row = 0; row < beyond_rest.size(); ++row) {
+            const double beyond = beyond_rest[row][k];
+            if (beyond == 0) continue;
+            if (!std::exchange(touched, true)) contacts_.push_back({k, Matrix6::Zero()});
+            contacts_.back().beyond += beyond * directions[row] * directions[row].transpose();
+        }
     }
-    // Of each pair of splines: the sum of w w K, and the factors of M and of `least_`.
+    weights_.reserve(static_cast<std::size_t>(samples));
+    for (Eigen::Index k = 0; k < samples; ++k) weights_.push_back(calcWeights(k));
+    // Of each pair of splines: the sums of w w, which K at rest multiplies, and those of M and `least_`; and of w w K
+    // beyond it.
     std::vector<Matrix6> blocks(4 * splines_, Matrix6::Zero());
-    std::vector<double> inertial(blocks.size(), 0.0);
+    std::vector<double> elastic(blocks.size(), 0.0), inertial(blocks.size(), 0.0);
     held_.assign(blocks.size(), 0.0);
+    const auto pairOf = [](const Weights& weights, int i, int j) {
+        return 4 * static_cast<std::size_t>(weights.first + i) + static_cast<std::size_t>(i - j);
+    };
     // The splines at the ends reach beyond the run: of one that touches it with its last samples nothing else is known.
     const auto beyond = static_cast<Eigen::Index>(std::ceil(3 / (2 * corner_ * interval_)));
     for (Eigen::Index k = -beyond; k < samples + beyond; ++k) {
-        const Weights weights = calcWeights(k);
         const bool inside = k >= 0 && k < samples;
+        const Weights weights = inside ? weights_[k] : calcWeights(k);
         const double taper = inside ? taper_[k] : 0;
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j <= i; ++j) {
                 if (weights.first + j < 0 || weights.first + i >= splines_) continue;
-                const auto pair = 4 * static_cast<std::size_t>(weights.first + i) + static_cast<std::size_t>(i - j);
+                const std::size_t pair = pairOf(weights, i, j);
                 const double both = weights.value[0][i] * weights.value[0][j];
-                if (inside) blocks[pair] += taper * both * tangent_[k];
+                elastic[pair] += taper * both;
                 // By parts: the splines' second derivatives become products of their first.
                 inertial[pair] -= taper * weights.value[1][i] * weights.value[1][j];
                 // Where the taper hides all, there is no slow motion.
                 held_[pair] += (1 - taper) * both;
             }
     }
-    for (std::size_t pair = 0; pair < blocks.size(); ++pair) blocks[pair] += inertial[pair] * M + held_[pair] * least_;
+    for (const Contact& contact : contacts_) {
+        const Weights& weights = weights_[contact.sample];
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j <= i; ++j)
+                blocks[pairOf(weights, i, j)] +=
+                    taper_[contact.sample] * weights.value[0][i] * weights.value[0][j] * contact.beyond;
+    }
+    for (std::size_t pair = 0; pair < blocks.size(); ++pair)
+        blocks[pair] += elastic[pair] * at_rest_ + inertial[pair] * M + held_[pair] * least_;
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(144 * static_cast<std::size_t>(splines_));
     for (Eigen::Index s = 0; s < splines_; ++s)
@@ -117,7 +134,7 @@ SlowBalance::Weights SlowBalance::calcWeights(Eigen::Index sample) const {
 Eigen::MatrixXd SlowBalance::project(const Eigen::Ref<const Eigen::MatrixXd>& residual) const {
     Eigen::MatrixXd right = Eigen::MatrixXd::Zero(6, splines_);
     for (Eigen::Index k = 0; k < residual.cols(); ++k) {
-        const auto weights = calcWeights(k);
+        const Weights& weights = weights_[k];
         for (int i = 0; i < 4; ++i) right.col(weights.first + i) += taper_[k] * weights.value[0][i] * residual.col(k);
     }
     return freedom_.asDiagonal() * right;
@@ -145,7 +162,7 @@ Eigen::VectorXd SlowBalance::solve(const Eigen::Ref<const Eigen::VectorXd>& forc
                                    const Eigen::Matrix<double, 6, 1>& direction) const {
     Eigen::RowVectorXd right = Eigen::RowVectorXd::Zero(splines_);
     for (Eigen::Index k = 0; k < force.size(); ++k) {
-        const auto weights = calcWeights(k);
+        const Weights& weights = weights_[k];
         for (int i = 0; i < 4; ++i) right[weights.first + i] += taper_[k] * weights.value[0][i] * force[k];
     }
     const Eigen::MatrixXd all = freedom_.cwiseProduct(direction) * right;
@@ -153,20 +170,27 @@ Eigen::VectorXd SlowBalance::solve(const Eigen::Ref<const Eigen::VectorXd>& forc
 }
 
 Eigen::MatrixXd SlowBalance::calcMotion(const Eigen::Ref<const Eigen::VectorXd>& coefficients, int derivative) const {
-    const auto c = coefficients.reshaped(6, splines_);
-    Eigen::MatrixXd motion(6, taper_.size());
-    for (Eigen::Index k = 0; k < motion.cols(); ++k) {
-        const auto weights = calcWeights(k);
-        const double* w = weights.value[derivative];
-        motion.col(k) = w[0] * c.col(weights.first) + w[1] * c.col(weights.first + 1) +
-                        w[2] * c.col(weights.first + 2) + w[3] * c.col(weights.first + 3);
+    return sumSplines(coefficients.reshaped(6, splines_), derivative);
+}
+
+Eigen::MatrixXd SlowBalance::sumSplines(const Eigen::Ref<const Eigen::MatrixXd>& c, int derivative) const {
+    Eigen::MatrixXd sum(6, taper_.size());
+    for (Eigen::Index k = 0; k < sum.cols(); ++k) {
+        const Eigen::Index first = weights_[k].first;
+        const double* w = weights_[k].value[derivative];
+        sum.col(k) = w[0] * c.col(first) + w[1] * c.col(first + 1) + w[2] * c.col(first + 2) + w[3] * c.col(first + 3);
     }
-    return motion;
+    return sum;
 }
 
 Eigen::MatrixXd SlowBalance::calcForces(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const {
-    Eigen::MatrixXd forces = calcMotion(coefficients, 0);
-    for (Eigen::Index k = 0; k < forces.cols(); ++k) forces.col(k) = (tangent_[k] * forces.col(k)).eval();
+    const auto c = coefficients.reshaped(6, splines_);
+    Eigen::MatrixXd forces = sumSplines(at_rest_ * c, 0);
+    for (const Contact& contact : contacts_) {
+        const Weights& weights = weights_[contact.sample];
+        const Vector6 moved = c.middleCols<4>(weights.first) * Eigen::Map<const Eigen::Vector4d>(weights.value[0]);
+        forces.col(contact.sample) += contact.beyond * moved;
+    }
     return forces;
 }
 

@@ -60,7 +60,13 @@ private:
         Eigen::Index first;  // of the four splines
         double value[3][4];  // derivative, spline
     };
+    struct Contact {
+        Eigen::Index sample;
+        Matrix6 beyond;  // of the tangent stiffness, what it has more than at rest
+    };
     Weights calcWeights(Eigen::Index sample) const;
+    /// B c of six coefficients for each spline, or a derivative of it.
+    Eigen::MatrixXd sumSplines(const Eigen::Ref<const Eigen::MatrixXd>& c, int derivative) const;
     /// Bᵀ R, six for each spline.
     Eigen::MatrixXd project(const Eigen::Ref<const Eigen::MatrixXd>& residual) const;
 
@@ -68,8 +74,10 @@ private:
     Eigen::Index splines_ = 0;
     Eigen::VectorXd taper_, followed_;
     Vector6 freedom_;
-    std::vector<Matrix6> tangent_;  // of each sample
-    Matrix6 least_;                 // what holds the motion where the window hides it, by `held_` of each spline pair
+    std::vector<Weights> weights_;   // of each sample
+    Matrix6 at_rest_;                // tangent stiffness of a sample, but for contacts
+    std::vector<Contact> contacts_;  // of those samples where an axis has another stiffness
+    Matrix6 least_;                  // what holds the motion where the window hides it, by `held_` of each spline pair
     std::vector<double> held_;
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factor_;
 };

@@ -124,6 +124,45 @@ TEST_CASE("The slow motion that balances a slow force is that of the linear moun
     CHECK((balance.solve(force, direction) - coefficients).norm() < 1e-9 * coefficients.norm());
 }
 
+// Contact at a few samples: the tangent stiffness of each sample, summed over the axes one by one, times the slow
+// motion.
+TEST_CASE("The forces of a slow motion have the stops' stiffness where they touch") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    MountModel model = makeModel();
+    model.connections[1].axis[2].stops = {{Side::positive, 1e-3, 1e6, 0}, {Side::negative, 1e-3, 5e5, 0}};
+    model.connections[3].axis[0].stops = {{Side::positive, 1e-3, 3e5, 0}, {Side::negative, 1e-3, 3e5, 0}};
+    constexpr int samples = 6000;
+    OpenLoopRun run = makeRun(samples, 4);
+    run.lowest = 4;
+    run.fixed_integrated = true;  // no inertia
+    for (int k = 0; k < samples; ++k) {
+        run.q(5, k) = 1.2e-3 * std::sin(kTwoPi * 7 * run.time[k]);
+        run.q(9, k) = 1.1e-3 * std::cos(kTwoPi * 9 * run.time[k]);
+    }
+    const SlowBalance balance(run, model);
+    const Eigen::VectorXd c = balance.solve(Eigen::MatrixXd::NullaryExpr(6, samples, [&] { return normal(random); }));
+    const Eigen::MatrixXd moved = balance.calcMotion(c, 0), forces = balance.calcForces(c);
+    Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(6, samples);
+    bool touched = false;
+    for (Eigen::Index row = 0; row < run.q.rows(); ++row) {
+        const auto connection = static_cast<int>(row / 3), axis = static_cast<int>(row % 3);
+        const Vector6 d = calcAxisDirection(model, connection, axis);
+        const AxisLaw& law =
+            model.connections[static_cast<std::size_t>(connection)].axis[static_cast<std::size_t>(axis)];
+        const Eigen::VectorXd tangent = calcTangent(run, law, row);
+        touched = touched || tangent.maxCoeff() > 1.5 * law.stiffness;
+        for (int k = 0; k < samples; ++k) expected.col(k) += tangent[k] * d * d.dot(moved.col(k));
+    }
+    CHECK(touched);
+    CHECK((forces - expected).norm() < 1e-12 * expected.norm());
+    // Of forces that a slow motion makes nothing is left, but for what holds the splines at both ends: that falls by
+    // half from one knot to the next, and there are 60 to the middle.
+    CHECK(balance.balance(forces).middleCols(2900, 200).norm() < 1e-9 * forces.norm());
+}
+
 // A run that ends while it moves: the spline that touches it with its last samples alone took hundreds of times the
 // motion, and all others stalled. Newton's steps end where the next one is nothing.
 TEST_CASE("The slow motion of a run that ends in motion settles, wherever the last spline begins") {
