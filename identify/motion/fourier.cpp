@@ -25,6 +25,18 @@ Eigen::MatrixXcd Fourier::forward(const Eigen::Ref<const Eigen::MatrixXd>& rows)
     return result;
 }
 
+Eigen::MatrixXcd Fourier::forward(const Eigen::Ref<const Eigen::MatrixXd>& rows,
+                                  const Eigen::Ref<const Eigen::VectorXd>& window, Eigen::Index first,
+                                  Eigen::Index count) const {
+    Eigen::MatrixXcd result(rows.rows(), count);
+    Eigen::VectorXd windowed(rows.cols());
+    for (Eigen::Index r = 0; r < rows.rows(); ++r) {
+        windowed = rows.row(r).transpose().cwiseProduct(window);
+        result.row(r) = transform_.forward(windowed).segment(first, count).transpose();
+    }
+    return result;
+}
+
 Eigen::MatrixXd Fourier::inverse(const Eigen::Ref<const Eigen::MatrixXcd>& spectra, int samples) const {
     Eigen::MatrixXd result(spectra.rows(), samples);
     for (Eigen::Index r = 0; r < spectra.rows(); ++r)

@@ -20,6 +20,11 @@ public:
 
     /// X_k = Σ_n x_n exp(−2πi k n / size): rows x binCount().
     Eigen::MatrixXcd forward(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
+    /// The same of rows that are multiplied by a window, from a bin on.
+    /// @param window as long as the rows
+    Eigen::MatrixXcd forward(const Eigen::Ref<const Eigen::MatrixXd>& rows,
+                             const Eigen::Ref<const Eigen::VectorXd>& window, Eigen::Index first,
+                             Eigen::Index count) const;
     /// The inverse, its first `samples` columns.
     Eigen::MatrixXd inverse(const Eigen::Ref<const Eigen::MatrixXcd>& spectra, int samples) const;
 

@@ -115,7 +115,7 @@ double EquationSpectra::angular(Eigen::Index bin) const {
 }
 
 Eigen::MatrixXcd EquationSpectra::transform(const Eigen::Ref<const Eigen::MatrixXd>& rows) const {
-    return fourier_.forward(rows * run_->taper.asDiagonal()).middleCols(first_, bins_);
+    return fourier_.forward(rows, run_->taper, first_, bins_);
 }
 
 Eigen::MatrixXd EquationSpectra::calcPower(const Eigen::Ref<const Eigen::MatrixXd>& rows) const {

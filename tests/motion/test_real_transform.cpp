@@ -3,9 +3,11 @@
 #include <complex>
 #include <random>
 
+#include "identify/motion/fourier.hpp"
 #include "identify/motion/real_transform.hpp"
 #include "tests/seed.hpp"
 
+using wems::identify::Fourier;
 using wems::identify::RealTransform;
 
 namespace {
@@ -48,4 +50,17 @@ TEST_CASE("RealTransform: fewer samples are continued by zeros; what is given st
     const Eigen::VectorXcd before = bins;
     transform.inverse(bins);
     CHECK((bins - before).norm() == 0);
+}
+
+TEST_CASE("Fourier: some bins of windowed rows are those of the products' spectra") {
+    const auto seed = wems::test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const auto draw = [&] { return std::uniform_real_distribution<>(-1, 1)(random); };
+    const Eigen::MatrixXd rows = Eigen::MatrixXd::NullaryExpr(3, 37, draw);
+    const Eigen::VectorXd window = Eigen::VectorXd::NullaryExpr(37, draw);
+    const Fourier fourier(37);
+    const Eigen::MatrixXcd some = fourier.forward(rows, window, 4, 9);
+    REQUIRE(some.cols() == 9);
+    CHECK((some - fourier.forward(rows * window.asDiagonal()).middleCols(4, 9)).norm() < 1e-13);
 }
