@@ -29,6 +29,7 @@ constexpr double kEased = 10;  // by which it falls from step to step (Marquardt
 // Of the squared length, in the prior's metric, of the step that was tried before: if the loss grows with the square, a
 // step at one half loses half. What is hardly shorter is not worth the equations of all runs. Not varied.
 constexpr double kShorter = 0.5;
+constexpr double kSameDamping = 1e-9;  // relative, of powers of kEased: round-off
 constexpr int kMostScalings = 30;
 constexpr double kScalesSettled = 0.02;  // relative change: evidence follows to 1 % of what it is
 
@@ -247,10 +248,14 @@ int Settler::settle(SetState& state, int most, bool with_validation,
     // prior's own precision as its damping.
     double damping = std::min(*std::max_element(misfits.begin(), misfits.end()) - 1, std::pow(kEased, most - 1));
     int steps = 0;
+    std::vector<TriedStep> tried;
     while (steps < most) {
         if (!(damping >= 1)) damping = 0;  // nor where a misfit is no number
-        const Step step = improve(state, with_validation, damping);
-        if (step != Step::none) ++steps;
+        const Step step = improve(state, with_validation, damping, tried);
+        if (step != Step::none) {
+            ++steps;
+            tried.clear();
+        }
         if (step != Step::none && !is_worth_more(damping)) break;
         if (damping == 0 && step != Step::onwards) break;
         damping /= kEased;
@@ -262,8 +267,8 @@ int Settler::settle(SetState& state, int most, bool with_validation,
 /// The point towards which a quadratic leads, as far as the equations themselves bear out what it promises. The view
 /// was made at `point`: there the quadratic is what the equations say.
 Settler::Step Settler::advance(const Information& all, const HypothesisSet& set, const BlockScales& scales,
-                               double least, bool with_validation, double first_damping, TestPoint& point,
-                               PointEquations& equations) const {
+                               double least, bool with_validation, double first_damping, std::vector<TriedStep>& tried,
+                               TestPoint& point, PointEquations& equations) const {
     const SetEvidence evidence(problem_, all, scales, set, Growth::followed);
     const Eigen::VectorXd present = problem_.estimateOf(point), slope = calcPriorSlope(problem_, present, set);
     const Eigen::VectorXd target =
@@ -277,23 +282,33 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
     const bool must_fall = hasBursts(all) && !isNoiseAlone(all, misfits);
     const double cost = calcCost(all, misfits) + calcPriorSquare(present, set);
     struct Reached {
-        double promised = 0, gain = 0;  // by the quadratic; by the equations
-        bool falls = true;              // what is left, where it must
+        TriedStep step;
+        Eigen::VectorXd at;
         TestPoint point;
         PointEquations equations;
     };
-    const auto reach = [&](const Eigen::VectorXd& at) -> Reached {
+    const auto measure = [&](double damping, const Eigen::VectorXd& at) -> Reached {
         TestPoint next = problem_.pointAt(at, set);
         const double promised = here - objective(at);
         TestMisfit misfit = problem_.misfit(next);
         const Information actual = sumOf(misfit, with_validation);
         const double excess = calcExcess(all, at - present, actual, at, scales, Growth::followed);
         const bool falls = calcCost(actual, calcMeanSquares(actual)) + calcPriorSquare(at, set) < cost;
-        return {promised, promised - excess, falls || !must_fall, std::move(next), std::move(misfit.equations)};
+        return {{damping, promised, promised - excess, falls || !must_fall},
+                at,
+                std::move(next),
+                std::move(misfit.equations)};
     };
-    const auto isKept = [](const Reached& reached) { return reached.gain >= kKept * reached.promised; };
-    Reached best = reach(target);
-    if (isKept(best) && !best.falls) return Step::contrary;
+    const auto reach = [&](double damping, const Eigen::VectorXd& at) -> Reached {
+        for (const TriedStep& own : tried)
+            if (std::abs(own.damping - damping) <= kSameDamping * damping) return {own, at, {}, {}};
+        Reached reached = measure(damping, at);
+        tried.push_back(reached.step);
+        return reached;
+    };
+    const auto isKept = [](const Reached& reached) { return reached.step.gain >= kKept * reached.step.promised; };
+    Reached best = reach(first_damping, target);
+    if (isKept(best) && !best.step.falls) return Step::contrary;
     if (!isKept(best)) {
         double length = calcPriorSquare(target - present, set);
         for (double damping = kFirstDamping * std::max(1.0, first_damping);; damping *= kFirstDamping) {
@@ -302,34 +317,38 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
             const double shorter = calcPriorSquare(at - present, set);
             if (shorter > kShorter * length) continue;
             length = shorter;
-            Reached nearer = reach(at);
+            Reached nearer = reach(damping, at);
             const bool kept = isKept(nearer);
-            if (kept && !nearer.falls) return Step::contrary;
-            if (!(best.gain >= nearer.gain)) best = std::move(nearer);
+            if (kept && !nearer.step.falls) return Step::contrary;
+            if (!(best.step.gain >= nearer.step.gain)) best = std::move(nearer);
             if (kept) break;
         }
     }
-    if (!(best.gain > std::max(kGained * least, kPromised * best.promised))) return Step::none;
-    if (!best.falls) return Step::contrary;
+    if (!(best.step.gain > std::max(kGained * least, kPromised * best.step.promised))) return Step::none;
+    if (!best.step.falls) return Step::contrary;
+    if (best.equations.at.empty()) best = measure(best.step.damping, best.at);
     point = std::move(best.point);
     equations = std::move(best.equations);
-    return best.gain >= least ? Step::onwards : Step::last;
+    return best.step.gain >= least ? Step::onwards : Step::last;
 }
 
 /// A step of the set: with the present discrepancy, or, undamped, with the one that its estimate would leave.
-Settler::Step Settler::improve(SetState& state, bool with_validation, double damping) const {
+Settler::Step Settler::improve(SetState& state, bool with_validation, double damping,
+                               std::vector<TriedStep>& tried) const {
     Information all = sumOf(state.view, with_validation);
     const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(state.point));
     const double least = std::max(2 * kSettled, kWorthwhile * calcCost(all, misfits));
     PointEquations equations;
-    const auto advanced = [&](const BlockScales& scales) {
-        return advance(all, state.set, scales, least, with_validation, damping, state.point, equations);
+    const auto advanced = [&](const BlockScales& scales, std::vector<TriedStep>& from_here) {
+        return advance(all, state.set, scales, least, with_validation, damping, from_here, state.point, equations);
     };
-    Step step = advanced(scalesOf(misfits));
-    if (step == Step::none && damping == 0) step = advanced(settleScales(all, state.set));
+    std::vector<TriedStep> others;
+    Step step = advanced(scalesOf(misfits), tried);
+    if (step == Step::none && damping == 0) step = advanced(settleScales(all, state.set), others);
     if (step == Step::contrary) {
         for (BlockInformation& block : all) block.scatter.resize(0, 0);
-        step = advanced(scalesOf(misfits));
+        others.clear();
+        step = advanced(scalesOf(misfits), others);
     }
     if (step != Step::none) state.view = problem_.view(state.point, state.set, std::move(equations));
     return step;
@@ -339,7 +358,8 @@ TestPoint Settler::refine(TestPoint point, const HypothesisSet& set, const Block
     PointEquations equations;
     for (int pass = 0; pass < most; ++pass) {
         const Information all = sumOf(problem_.view(point, set, std::move(equations)), true);
-        if (advance(all, set, scales, 2 * kSettled, true, 0, point, equations) != Step::onwards) break;
+        std::vector<TriedStep> tried;
+        if (advance(all, set, scales, 2 * kSettled, true, 0, tried, point, equations) != Step::onwards) break;
     }
     return point;
 }

@@ -122,6 +122,13 @@ private:
     /// ones for as long as they are taken. Contrary: what the equations bear out leaves more than there was.
     enum class Step { none, contrary, last, onwards };
 
+    /// What a step of some damping came to. Less damped steps from the same state come to it again where they lose what
+    /// they promise: the equations of all runs take most of a diagnosis' time.
+    struct TriedStep {
+        double damping, promised, gain;  ///< by the quadratic; by the equations
+        bool falls;                      ///< what is left, where it must
+    };
+
     /// @param is_worth_more asked after each step, with its damping
     /// @return steps taken
     int settle(SetState& state, int most, bool with_validation, const std::function<bool(double)>& is_worth_more) const;
@@ -132,10 +139,13 @@ private:
                       const Eigen::VectorXd& estimate, const BlockScales& scales, Growth growth) const;
     BlockScales settleScales(const Information& all, const std::function<SetSolution(const BlockScales&)>& solve) const;
     BlockScales settleScales(const Information& all, const HypothesisSet& set) const;
-    Step improve(SetState& state, bool with_validation, double damping) const;
+    /// @param[in,out] tried from this state with the present discrepancy
+    Step improve(SetState& state, bool with_validation, double damping, std::vector<TriedStep>& tried) const;
+    /// @param[in,out] tried from this point with these scales
     /// @param[out] equations of the point that a step led to
     Step advance(const Information& all, const HypothesisSet& set, const BlockScales& scales, double least,
-                 bool with_validation, double first_damping, TestPoint& point, PointEquations& equations) const;
+                 bool with_validation, double first_damping, std::vector<TriedStep>& tried, TestPoint& point,
+                 PointEquations& equations) const;
 
     const TestProblem& problem_;
     double alike_ = 1;
