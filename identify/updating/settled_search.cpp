@@ -149,8 +149,9 @@ SettledSearch::Settled SettledSearch::settle(const Settled& present, const Hypot
         state.set = set;
         state.point = problem_.reduce(start, set);
         state.view = problem_.view(state.point, set);
-        settler_.settle(state, kFirstSteps, true);
+        const bool at_rest = settler_.settle(state, kFirstSteps, true);
         Settled own = assess(std::move(state));
+        own.at_rest = at_rest;
         if (!best || own.log_evidence > best->log_evidence) best = std::move(own);
     }
     return std::move(*best);
@@ -158,14 +159,16 @@ SettledSearch::Settled SettledSearch::settle(const Settled& present, const Hypot
 
 SettledSearch::Settled SettledSearch::settleFurther(const Settled& begun, const Settled& present, const Settled& best) {
     SetState state = begun.state;
+    bool at_rest = begun.at_rest;
     // Sets share numbers: where another one led may be nearer.
     TestPoint shared = problem_.reduce(best.state.point, state.set);
     if (best.state.set != present.state.set &&
         settler_.calcCostAt(shared) < settler_.calcCost(sumOf(state.view, true), begun.misfits)) {
         state.point = std::move(shared);
         state.view = problem_.view(state.point, state.set);
+        at_rest = false;
     }
-    settler_.settle(state, kSettlingSteps - kFirstSteps, true);
+    if (!at_rest) settler_.settle(state, kSettlingSteps - kFirstSteps, true);
     Settled own = assess(std::move(state));
     constexpr std::size_t mount = indexOf(Block::mount), bracket = indexOf(Block::bracket);
     if (own.misfits[bracket] <= present.misfits[bracket] || own.misfits[mount] >= present.misfits[mount]) return own;
@@ -186,7 +189,7 @@ SettledSearch::Settled SettledSearch::assess(SetState state) const {
     const Information all = sumOf(state.view, true);
     const Eigen::VectorXd estimate = problem_.estimateOf(state.point);
     const double log_evidence = settler_.calcLogEvidence(state);
-    return {std::move(state), calcMisfits(all, estimate), calcScatter(all), log_evidence};
+    return {std::move(state), calcMisfits(all, estimate), calcScatter(all), log_evidence, false};
 }
 
 bool SettledSearch::isPossibleAnswer(const HypothesisSet& set, const TestPoint& point) const {

@@ -36,6 +36,7 @@ private:
         std::vector<double> misfits;  ///< of each block
         std::vector<double> scatter;  ///< standard deviation of a perfect model's
         double log_evidence = 0;
+        bool at_rest = false;  ///< no step from there is worth it
     };
     /// Where the search goes on with one cause more that does not take its half alone: two of the same size do so
     /// together.

@@ -223,45 +223,47 @@ double Settler::calcExcess(const Information& quadratic, const Eigen::VectorXd& 
     return excess;
 }
 
-void Settler::settle(SetState& state, int most, bool with_validation) const {
-    settle(state, most, with_validation, [](double /*damping*/) { return true; });
+bool Settler::settle(SetState& state, int most, bool with_validation) const {
+    return settle(state, most, with_validation, [](double /*damping*/) { return true; }).at_rest;
 }
 
 int Settler::compete(SetState& state, int most, double rival) const {
     double before = calcLogEvidence(state), last = std::numeric_limits<double>::infinity();
-    return settle(state, most, true, [&](double damping) {
+    const auto may_win = [&](double damping) {
         state.scales = scalesOf(calcMisfits(sumOf(state.view, true), problem_.estimateOf(state.point)));
         const double now = calcLogEvidence(state), gained = now - std::exchange(before, now);
         const double previous = std::exchange(last, damping > 0 ? last : gained);
         if (now > rival || damping > 0 || !std::isfinite(previous)) return true;
         const double ratio = gained / previous;
         return !(ratio < 1) || now + gained * ratio / (1 - ratio) > rival;
-    });
+    };
+    return settle(state, most, true, may_win).steps;
 }
 
-int Settler::settle(SetState& state, int most, bool with_validation,
-                    const std::function<bool(double)>& is_worth_more) const {
+Settler::Settling Settler::settle(SetState& state, int most, bool with_validation,
+                                  const std::function<bool(double)>& is_worth_more) const {
     const std::vector<double> misfits =
         calcMisfits(sumOf(state.view, with_validation), problem_.estimateOf(state.point));
     // The more a model leaves, the less its columns say of where that vanishes (Fan and Yuan, 2005, damp by the
     // residual). What the recordings know best moves first. Where few steps are allowed, the last has at most the
     // prior's own precision as its damping.
     double damping = std::min(*std::max_element(misfits.begin(), misfits.end()) - 1, std::pow(kEased, most - 1));
-    int steps = 0;
+    Settling settling;
     std::vector<TriedStep> tried;
-    while (steps < most) {
+    while (settling.steps < most) {
         if (!(damping >= 1)) damping = 0;  // nor where a misfit is no number
         const Step step = improve(state, with_validation, damping, tried);
         if (step != Step::none) {
-            ++steps;
+            ++settling.steps;
             tried.clear();
         }
         if (step != Step::none && !is_worth_more(damping)) break;
+        settling.at_rest = damping == 0 && step == Step::none;
         if (damping == 0 && step != Step::onwards) break;
         damping /= kEased;
     }
     state.scales = scalesOf(calcMisfits(sumOf(state.view, with_validation), problem_.estimateOf(state.point)));
-    return steps;
+    return settling;
 }
 
 /// The point towards which a quadratic leads, as far as the equations themselves bear out what it promises. The view

@@ -79,7 +79,8 @@ public:
 
     /// Steps until one changes the evidence by less than a half, or would do so, `most` at most. The view keeps the
     /// columns of the set alone, if a step was taken.
-    void settle(SetState& state, int most, bool with_validation) const;
+    /// @return whether it came to rest: from where it ended no step, damped or not, is worth it
+    bool settle(SetState& state, int most, bool with_validation) const;
 
     /// Steps of a set that begins far from its best numbers, against a rival's log evidence: to its end, or until what
     /// undamped steps gain, as a geometric series, leaves it behind (Aitken, Proc. R. Soc. Edinburgh 46, 1926,
@@ -129,9 +130,13 @@ private:
         bool falls;                      ///< what is left, where it must
     };
 
+    struct Settling {
+        int steps = 0;
+        bool at_rest = false;
+    };
     /// @param is_worth_more asked after each step, with its damping
-    /// @return steps taken
-    int settle(SetState& state, int most, bool with_validation, const std::function<bool(double)>& is_worth_more) const;
+    Settling settle(SetState& state, int most, bool with_validation,
+                    const std::function<bool(double)>& is_worth_more) const;
     /// χ² and count of each block at a point.
     Information calcActual(const TestPoint& point, bool with_validation) const;
     /// @param step from where the quadratic was formed; @param actual at `estimate`
