@@ -47,9 +47,8 @@ TEST_CASE("RealTransform: fewer samples are continued by zeros; what is given st
     const RealTransform transform(16);
     const Eigen::VectorXcd bins = transform.forward(samples);
     CHECK((bins - transform.forward(padded)).norm() == 0);
-    const Eigen::VectorXcd before = bins;
     transform.inverse(bins);
-    CHECK((bins - before).norm() == 0);
+    CHECK((bins - transform.forward(samples)).norm() == 0);
 }
 
 TEST_CASE("Fourier: some bins of windowed rows are those of the products' spectra") {
