@@ -37,30 +37,7 @@ SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model, Eigen:
     const double stiffest = calcStiffnessMatrix(model).diagonal().maxCoeff();
     holdMotions(M, freedom_, 0);
     holdMotions(least_, freedom_, kHeld * stiffest);
-    // Most axes are at rest most of the time: a contact adds to what they have there.
-    at_rest_ = Matrix6::Zero();
-    std::vector<Vector6> directions;
-    std::vector<Eigen::VectorXd> beyond_rest;
-    for (std::size_t i = 0; i < model.connections.size(); ++i)
-        for (int a = 0; a < 3; ++a) {
-            const AxisLaw& law = model.connections[i].axis[a];
-            const auto d = calcAxisDirection(model, static_cast<int>(i), a);
-            const double rest = AxisForce(law).calcStaticStiffness(0);
-            at_rest_ += rest * d * d.transpose();
-            directions.push_back(freedom_.cwiseProduct(d));
-            beyond_rest.emplace_back(calcTangent(run, law, static_cast<Eigen::Index>(beyond_rest.size())).array() -
-                                     rest);
-        }
-    holdMotions(at_rest_, freedom_, stiffest);
-    for (Eigen::Index k = 0; k < samples; ++k) {
-        bool touched = false;
-        for (std::size_t row = 0; row < beyond_rest.size(); ++row) {
-            const double beyond = beyond_rest[row][k];
-            if (beyond == 0) continue;
-            if (!std::exchange(touched, true)) contacts_.push_back({k, Matrix6::Zero()});
-            contacts_.back().beyond += beyond * directions[row] * directions[row].transpose();
-        }
-    }
+    findStiffness(run, model, stiffest);
     weights_.reserve(static_cast<std::size_t>(samples));
     for (Eigen::Index k = 0; k < samples; ++k) weights_.push_back(calcWeights(k));
     // Of each pair of splines: the sums of w w, which K at rest multiplies, and those of M and `least_`; and of w w K
@@ -111,6 +88,34 @@ SlowBalance::SlowBalance(const OpenLoopRun& run, const MountModel& model, Eigen:
     Eigen::SparseMatrix<double> A(6 * splines_, 6 * splines_);
     A.setFromTriplets(entries.begin(), entries.end());
     factor_.compute(A);
+}
+
+/// Most axes are at rest most of the time: a contact adds to what they have there.
+/// @param held of motions that the body does not have, N/m
+void SlowBalance::findStiffness(const OpenLoopRun& run, const MountModel& model, double held) {
+    at_rest_ = Matrix6::Zero();
+    std::vector<Vector6> directions;
+    std::vector<Eigen::VectorXd> beyond_rest;
+    for (std::size_t i = 0; i < model.connections.size(); ++i)
+        for (int a = 0; a < 3; ++a) {
+            const AxisLaw& law = model.connections[i].axis[a];
+            const auto d = calcAxisDirection(model, static_cast<int>(i), a);
+            const double rest = AxisForce(law).calcStaticStiffness(0);
+            at_rest_ += rest * d * d.transpose();
+            directions.push_back(freedom_.cwiseProduct(d));
+            beyond_rest.emplace_back(calcTangent(run, law, static_cast<Eigen::Index>(beyond_rest.size())).array() -
+                                     rest);
+        }
+    holdMotions(at_rest_, freedom_, held);
+    for (Eigen::Index k = 0; k < run.sampleCount(); ++k) {
+        bool touched = false;
+        for (std::size_t row = 0; row < beyond_rest.size(); ++row) {
+            const double beyond = beyond_rest[row][k];
+            if (beyond == 0) continue;
+            if (!std::exchange(touched, true)) contacts_.push_back({k, Matrix6::Zero()});
+            contacts_.back().beyond += beyond * directions[row] * directions[row].transpose();
+        }
+    }
 }
 
 double SlowBalance::highestBalanced() const {

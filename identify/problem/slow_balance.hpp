@@ -64,6 +64,7 @@ private:
         Eigen::Index sample;
         Matrix6 beyond;  // of the tangent stiffness, what it has more than at rest
     };
+    void findStiffness(const OpenLoopRun& run, const MountModel& model, double held);
     Weights calcWeights(Eigen::Index sample) const;
     /// B c of six coefficients for each spline, or a derivative of it.
     Eigen::MatrixXd sumSplines(const Eigen::Ref<const Eigen::MatrixXd>& c, int derivative) const;

@@ -29,7 +29,8 @@ constexpr double kEased = 10;  // by which it falls from step to step (Marquardt
 // Of the squared length, in the prior's metric, of the step that was tried before: if the loss grows with the square, a
 // step at one half loses half. What is hardly shorter is not worth the equations of all runs. Not varied.
 constexpr double kShorter = 0.5;
-constexpr double kSameDamping = 1e-9;  // relative, of powers of kEased: round-off
+// Relative: a few products and quotients by ten round off by 1e-15, and the next damping is ten times more.
+constexpr double kSameDamping = 1e-9;
 constexpr int kMostScalings = 30;
 constexpr double kScalesSettled = 0.02;  // relative change: evidence follows to 1 % of what it is
 
