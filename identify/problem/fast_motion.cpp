@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "identify/motion/fourier.hpp"
@@ -103,7 +104,6 @@ private:
 
 /// A part's motion less what the low pass made of a small one (translation above rotation, at the recording's samples).
 SmoothPart takeOff(SmoothPart part, const Eigen::MatrixXd& motion, const RunFilter& filter) {
-    if (motion.size() == 0) return part;
     const Eigen::MatrixXd position = filter.apply(motion, 0), rate = filter.apply(motion, 1),
                           second = filter.apply(motion, 2);
     part.p -= position.topRows(3);
@@ -132,24 +132,31 @@ OpenLoopRun restoreFastMotion(OpenLoopRun run, const MountModel& model) {
     Eigen::MatrixXd directions(6, run.q.rows());
     for (Eigen::Index row = 0; row < directions.cols(); ++row)
         directions.col(row) = calcAxisDirection(model, static_cast<int>(row / 3), static_cast<int>(row % 3));
-    const SmoothPart mobile = run.mobile, fixed = run.fixed;
+    const SmoothPart measured_mobile = run.mobile, measured_fixed = run.fixed;
+    const AxisSeries measured_q = run.q, measured_v = run.v;
     const Response response(run, model);
     const double enough = kOfNoise * std::hypot(run.mobile_noise, run.fixed_noise);
     double change = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass < kMostPasses && change > enough; ++pass) {
-        const Response::Motion fast = response.calcMotion(calcWrench(run, model, directions));
-        OpenLoopRun next = run;
-        next.mobile_folded = fast.mobile_folded;
-        next.fixed_folded = fast.fixed_folded;
-        next.mobile = takeOff(mobile, fast.mobile_folded, run.filter);
-        next.fixed = takeOff(fixed, fast.fixed_folded, run.filter);
-        calcRelative(model, next.mobile, next.fixed, next.q, next.v);
-        next.q += directions.transpose() * fast.relative;
-        next.v += directions.transpose() * fast.relative_rate;
+        Response::Motion fast = response.calcMotion(calcWrench(run, model, directions));
+        const bool mobile_folds = fast.mobile_folded.size() > 0, fixed_folds = fast.fixed_folded.size() > 0;
+        SmoothPart mobile, fixed;
+        if (mobile_folds) mobile = takeOff(measured_mobile, fast.mobile_folded, run.filter);
+        if (fixed_folds) fixed = takeOff(measured_fixed, fast.fixed_folded, run.filter);
+        AxisSeries q = measured_q, v = measured_v;
+        if (mobile_folds || fixed_folds)
+            calcRelative(model, mobile_folds ? mobile : measured_mobile, fixed_folds ? fixed : measured_fixed, q, v);
+        q += directions.transpose() * fast.relative;
+        v += directions.transpose() * fast.relative_rate;
         const double before = change;
-        change = std::sqrt((next.q - run.q).squaredNorm() / static_cast<double>(run.q.size()));
+        change = std::sqrt((q - run.q).squaredNorm() / static_cast<double>(q.size()));
         if (!(change < before)) break;
-        run = std::move(next);
+        run.q = std::move(q);
+        run.v = std::move(v);
+        if (mobile_folds) run.mobile = std::move(mobile);
+        if (fixed_folds) run.fixed = std::move(fixed);
+        run.mobile_folded = std::move(fast.mobile_folded);
+        run.fixed_folded = std::move(fast.fixed_folded);
     }
     return run;
 }

@@ -92,6 +92,21 @@ Eigen::VectorXd extend(const Eigen::Ref<const Eigen::MatrixXd>& rows, Eigen::Ind
     return held;
 }
 
+/// Sums of weights times values, as many, each a step further on than the one before.
+Eigen::RowVectorXd correlate(const Eigen::VectorXd& weights, const Eigen::Ref<const Eigen::VectorXd>& values,
+                             Eigen::Index step, Eigen::Index count) {
+    constexpr int kAtOnce = 16;  // sums that stay in registers, so that a weight is read once for all of them
+    Eigen::RowVectorXd sums(count);
+    const Eigen::Index together = step == 1 ? count - count % kAtOnce : 0;
+    for (Eigen::Index k = 0; k < together; k += kAtOnce) {
+        Eigen::Matrix<double, kAtOnce, 1> sum = Eigen::Matrix<double, kAtOnce, 1>::Zero();
+        for (Eigen::Index j = 0; j < weights.size(); ++j) sum += weights[j] * values.segment<kAtOnce>(k + j);
+        sums.segment<kAtOnce>(k) = sum.transpose();
+    }
+    for (Eigen::Index k = together; k < count; ++k) sums[k] = weights.dot(values.segment(k * step, weights.size()));
+    return sums;
+}
+
 }  // namespace
 
 Eigen::MatrixXd SmoothingKernel::apply(const Eigen::Ref<const Eigen::MatrixXd>& rows, int derivative, int step) const {
@@ -99,8 +114,7 @@ Eigen::MatrixXd SmoothingKernel::apply(const Eigen::Ref<const Eigen::MatrixXd>& 
     Eigen::MatrixXd result(rows.rows(), (rows.cols() + step - 1) / step);
     for (Eigen::Index row = 0; row < rows.rows(); ++row) {
         const Eigen::VectorXd held = extend(rows, row, half_width_);
-        for (Eigen::Index k = 0; k < result.cols(); ++k)
-            result(row, k) = weights.dot(held.segment(k * step, weights.size()));
+        result.row(row) = correlate(weights, held, step, result.cols());
     }
     return result;
 }
@@ -120,9 +134,11 @@ Eigen::MatrixXd SmoothingKernel::applyBetween(const Eigen::Ref<const Eigen::Matr
         for (Eigen::Index j = 0; j < count; ++j) own[j] = static_cast<double>(fine) * weights[skipped + j * fine];
         if (derivative == 0) own /= own.sum();
         if (derivative > 0) own.array() -= own.mean();
+        const Eigen::Index first = (phase - half_width_ + skipped) / fine + beyond,
+                           places = (result.cols() - phase + fine - 1) / fine;
         for (Eigen::Index row = 0; row < rows.rows(); ++row)
-            for (Eigen::Index k = phase; k < result.cols(); k += fine)
-                result(row, k) = own.dot(held[row].segment((k - half_width_ + skipped) / fine + beyond, count));
+            result(row, Eigen::seqN(phase, places, fine)) =
+                correlate(own, held[row].segment(first, places + count - 1), 1, places);
     }
     return result;
 }
