@@ -46,6 +46,16 @@ double meanSquare(const Eigen::MatrixXd& values) {
     return values.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, values.size()));
 }
 
+/// Hz. What a part does may reach lower than the sine that drives it: what is left of its start, or creep. A spectrum
+/// that told such frequencies apart would have no stretch in which the sine is elsewhere.
+double findDrivenFrom(const SweptFrequency& swept) {
+    if (!swept.is_sine) return swept.lowest;
+    double lowest = swept.highest;
+    for (const double hertz : swept.hertz)
+        if (hertz < lowest) lowest = hertz;  // not where it is not known
+    return lowest;
+}
+
 /// A load has no redundancy under any drive.
 NoiseDensity findLoadNoise(const Eigen::Matrix3Xd& load, const ExcitedBand& band, double interval, double resolution) {
     int axes = 0;
@@ -101,7 +111,8 @@ TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, c
                          "a recording in which the device is driven or rings");
     run.band = {run.swept.lowest, run.swept.highest, kHarmonics, 0};
     run.motion = estimateMotion(run.recording, believed, ContactEdges::filtered);
-    const double interval = run.motion.interval, resolution = run.band.lowest / kSpectrumBands;
+    const double interval = run.motion.interval, driven = findDrivenFrom(run.swept),
+                 resolution = driven / kSpectrumBands;
     for (std::size_t g = 0; g < layout.groups.size(); ++g) {
         const GroupSamples samples = collectGroup(run.recording, layout, static_cast<int>(g));
         if (samples.empty()) {
@@ -121,7 +132,7 @@ TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, c
         // Without redundancy the channels themselves, in the quarter of the time in which a sweep is elsewhere.
         run.noise.emplace_back(residual, freedom > 0 ? freedom : rows, interval, resolution, least);
         // Below the sweep motion may be slow, and always there: the creep of a table was taken for 0.2 mm of noise.
-        if (freedom <= 0) run.noise.back().limitBelow(run.band.lowest);
+        if (freedom <= 0) run.noise.back().limitBelow(driven);
     }
     if (reachesStops(makeOpenLoopRun(run.motion, believed, run.band, {}), believed))
         run.band.contact = calcContactFrequency(believed);
