@@ -18,7 +18,7 @@ namespace {
 // A stop bends the motion: with 4.4 harmonics a true model in deep contact left 230 and 2600 times the noise where it
 // leaves 23 and 510 with 13.
 constexpr double kHarmonics = 13;
-constexpr double kSpectrumBands = 4;  // bands of the noise's spectrum below the lowest excited frequency
+constexpr double kSpectrumBands = 4;  // bands of the noise's spectrum below the lowest driven frequency
 constexpr double kLeastNoise = 1e-7;  // of a channel's RMS: what a file of seven digits rounds off
 constexpr double kUnseen = 1e-10;     // relative singular value of motions that channels do not show
 
