@@ -191,7 +191,7 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
     poses.colwise() -= poses.rowwise().mean().eval();
     const Eigen::MatrixXd motion_power = spectra.calcPower(poses);
     const Eigen::MatrixXd load_power =
-        run.load.cols() > 0 ? spectra.calcPower(run.load) : Eigen::MatrixXd::Zero(3, spectra.binCount());
+        run.load.cols() > 0 ? spectra.calcPower(calcLoad(run, model)) : Eigen::MatrixXd::Zero(3, spectra.binCount());
     const Eigen::Matrix3d load_correlation = calcLoadCorrelation(run);
     const double gain = spectra.noiseGain(), part = kDiscrepancy * kDiscrepancy;
     std::optional<Eigen::Matrix<double, 6, 3>> load_arm;
@@ -250,7 +250,9 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
         if (run.load.cols() > 0) {
             const Eigen::Vector3d wrong = (part * load_power.col(b)).cwiseSqrt();
             load_covariance = wrong.asDiagonal() * load_correlation * wrong.asDiagonal();
-            load_covariance.diagonal().array() += gain * test.load_noise.at(w / kTwoPi);
+            // Taking a gain off the load takes it off its noise.
+            const Eigen::Array3d gains = model.load ? calcLoadGains(*model.load, w / kTwoPi) : Eigen::Vector3d::Ones();
+            load_covariance.diagonal().array() += gain * test.load_noise.at(w / kTwoPi) * gains.square();
             S += by_load * load_covariance * by_load.adjoint();
         }
         const Matrix12c PA = P * A.adjoint();
