@@ -83,6 +83,14 @@ void completeEnds(Eigen::VectorXd& mean) {
     mean[mean.size() - 1] *= 2;
 }
 
+/// Of the middles of an interval's pieces.
+std::array<CubicWeights, kOfInterval> makeMiddles() {
+    std::array<CubicWeights, kOfInterval> middles{};
+    for (int i = 0; i < kOfInterval; ++i)
+        middles[static_cast<std::size_t>(i)] = makeCubicWeights((i + 0.5) / kOfInterval);
+    return middles;
+}
+
 }  // namespace
 
 Eigen::VectorXd calcSlidingDirection(const Eigen::VectorXd& v, double transition_velocity) {
@@ -101,9 +109,7 @@ Eigen::VectorXd calcStopForce(const AxisLaw& law, const Eigen::VectorXd& q, cons
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(q.size());
     const AxisLaw stops = takeStops(law);
     if (q.size() == 0 || stops.stops.empty()) return mean;
-    std::array<CubicWeights, kOfInterval> middles{};
-    for (int i = 0; i < kOfInterval; ++i)
-        middles[static_cast<std::size_t>(i)] = makeCubicWeights((i + 0.5) / kOfInterval);
+    const std::array<CubicWeights, kOfInterval> middles = makeMiddles();
     const AxisForce force(stops);
     visitTouches(stops, q, v, interval, [&](Eigen::Index k, const double* ends) {
         for (int i = 0; i < kOfInterval; ++i) {
@@ -138,6 +144,43 @@ Eigen::VectorXd calcStopStiffness(const AxisLaw& law, const Eigen::VectorXd& q, 
     });
     completeEnds(mean);
     return mean;
+}
+
+StopDerivative::StopDerivative(const AxisLaw& law, const Eigen::VectorXd& q, const Eigen::VectorXd& v, double interval)
+    : interval_(interval) {
+    const AxisLaw stops = takeStops(law);
+    if (q.size() == 0 || stops.stops.empty()) return;
+    const std::array<CubicWeights, kOfInterval> middles = makeMiddles();
+    const AxisForce force(stops);
+    visitTouches(stops, q, v, interval, [&](Eigen::Index k, const double* ends) {
+        Touch touch{k, {}};
+        bool touched = false;
+        for (int i = 0; i < kOfInterval; ++i) {
+            const CubicWeights& at = middles[static_cast<std::size_t>(i)];
+            const double here = weigh(at.q, ends), rate = weigh(at.v, ends) / interval;
+            const double stiffness = force.calcStiffness(here, rate, 0, nullptr),
+                         damping = force.calcDamping(here, rate, 0, nullptr);
+            touched = touched || stiffness != 0 || damping != 0;
+            double* weights = touch.weight[i < kOfHalf ? 0 : 1];
+            for (int e = 0; e < 4; ++e)
+                weights[e] += (stiffness * at.q[e] + damping / interval * at.v[e]) / kOfInterval;
+        }
+        if (touched) touches_.push_back(touch);
+    });
+}
+
+Eigen::VectorXd StopDerivative::apply(const Eigen::Ref<const Eigen::VectorXd>& q,
+                                      const Eigen::Ref<const Eigen::VectorXd>& v) const {
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(q.size());
+    if (touches_.empty()) return mean;
+    for (const Touch& touch : touches_) {
+        const Eigen::Index k = touch.first;
+        const double ends[4] = {q[k], interval_ * v[k], q[k + 1], interval_ * v[k + 1]};
+        mean[k] += weigh(touch.weight[0], ends);
+        mean[k + 1] += weigh(touch.weight[1], ends);
+    }
+    completeEnds(mean);
+    return restoreCurvature(mean);
 }
 
 }  // namespace wems::identify

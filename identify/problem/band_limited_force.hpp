@@ -10,6 +10,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "models/axis_law.hpp"
 
@@ -30,5 +31,27 @@ Eigen::VectorXd calcStopForce(const AxisLaw& law, const Eigen::VectorXd& q, cons
 /// clearance, where that of the samples jumps as one of them comes into contact.
 Eigen::VectorXd calcStopStiffness(const AxisLaw& law, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                   double interval);
+
+/// How that force answers to a small change of the motion: the derivative of calcStopForce, dissipation and the places
+/// of both edges of a contact included.
+class StopDerivative {
+public:
+    StopDerivative() = default;
+    /// About this motion, as calcStopForce has it.
+    StopDerivative(const AxisLaw& law, const Eigen::VectorXd& q, const Eigen::VectorXd& v, double interval);
+
+    /// Change of the force (N) at the samples.
+    /// @param q, v changes of displacement (m) and velocity (m/s) at the samples
+    Eigen::VectorXd apply(const Eigen::Ref<const Eigen::VectorXd>& q, const Eigen::Ref<const Eigen::VectorXd>& v) const;
+
+private:
+    /// Of an interval in which a stop is touched: what q0, h v0, q1, h v1 change in the means around both samples.
+    struct Touch {
+        Eigen::Index first;
+        double weight[2][4];
+    };
+    std::vector<Touch> touches_;
+    double interval_ = 0;
+};
 
 }  // namespace wems::identify

@@ -6,7 +6,8 @@
 /// along the measured motion, so that nothing chaotic enters; each in units of its own noise (run_noise.hpp).
 ///
 /// Derivatives are of first order about the state, laws by differences of their force histories along the rest
-/// direction of their axis. A contact's tangent stiffness takes part wherever a sensor's error moves the motion.
+/// direction of their axis. A contact's tangent stiffness and damping take part wherever a sensor's error moves the
+/// motion, and slow motion follows. What the error moves is of second order in the motion (second_order.hpp).
 #pragma once
 
 #include <Eigen/Core>

@@ -52,6 +52,10 @@ void Lineariser::prepareColumns() {
         forces_.row(row) = calcAxisForce(open_, law, static_cast<int>(row / 3), static_cast<int>(row % 3)).transpose();
         rest_tangent_[row] = AxisForce(law).calcStaticStiffness(0);
         tangent_.row(row) = calcTangent(open_, law, row).transpose();
+        axis_tangents_.emplace_back(open_, law, row);
+        const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
+        mean_stiffness_ += axis_tangents_.back().meanStiffness() * d * d.transpose();
+        mean_damping_ += axis_tangents_.back().meanDamping() * d * d.transpose();
         if ((tangent_.row(row).array() != rest_tangent_[row]).any()) touched_[row] = in_contact_ = true;
     }
     for (Eigen::Index row = 0; row < axes; ++row) {
@@ -140,20 +144,15 @@ void Lineariser::calcBodyColumn(const TestState& to, double step, Eigen::MatrixX
 
 Eigen::MatrixXcd Lineariser::calcPositionColumn(int connection, int axis) const {
     const Eigen::Vector3d e = Eigen::Vector3d::Unit(axis);
-    const auto& laws = model_.connections[connection].axis;
+    const Eigen::Matrix3Xd turn = open_.mobile.theta - open_.fixed.theta, rate = open_.mobile.w - open_.fixed.w;
     Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(6, open_.sampleCount());
-    Vector6 d[3];
-    for (int a = 0; a < 3; ++a) d[a] = calcAxisDirection(model_, connection, a);
-    for (Eigen::Index k = 0; k < wrench.cols(); ++k) {
-        const Eigen::Vector3d moved = (open_.mobile.theta.col(k) - open_.fixed.theta.col(k)).cross(e);
-        const Eigen::Vector3d moving = (open_.mobile.w.col(k) - open_.fixed.w.col(k)).cross(e);
-        Eigen::Vector3d force;
-        for (int a = 0; a < 3; ++a) {
-            const Eigen::Index row = 3 * connection + a;
-            force[a] = forces_(row, k);
-            wrench.col(k) += d[a] * (tangent_(row, k) * moved[a] + laws[a].damping * moving[a]);
-        }
-        wrench.col(k).tail<3>() += e.cross(force);
+    const Eigen::Matrix3d across = crossMatrix(-e);  // turn × e
+    for (int a = 0; a < 3; ++a) {
+        const Eigen::Index row = 3 * connection + a;
+        const Eigen::VectorXd change =
+            axis_tangents_[row].calcChange((across.row(a) * turn).transpose(), (across.row(a) * rate).transpose());
+        wrench += calcAxisDirection(model_, connection, a) * change.transpose();
+        wrench.bottomRows(3) += e.cross(Eigen::Vector3d::Unit(a)) * forces_.row(row);
     }
     return transformMount(wrench);
 }
@@ -253,23 +252,63 @@ Eigen::MatrixXcd Lineariser::calcMotionColumn(const SensorEffect& effect) const 
                 change.spectrum[b] *
                 noise_.whitenedMotion(b).middleCols<6>(mobile ? 0 : 6).lazyProduct(direction).eval();
     }
+    for (Eigen::Index b = 0; b < effect.correction.cols(); ++b)
+        Eigen::Map<Vector12c>(&white(0, b)) +=
+            noise_.whitenedMotion(b).middleCols<6>(mobile ? 0 : 6).lazyProduct(effect.correction.col(b)).eval();
+    if (effect.wrench.size() > 0) {
+        Eigen::MatrixXcd bracket(6, effect.wrench.cols());
+        for (Eigen::Index b = 0; b < bracket.cols(); ++b)
+            bracket.col(b) = -(noise_.receptance(b) * effect.wrench.col(b).head<6>());
+        white += whiten(effect.wrench.topRows(6) + effect.wrench.bottomRows(6), bracket);
+    }
     if (!with_bracket_) white.bottomRows(6).setZero();
     if (!in_contact_) return white;
     const double sign = mobile ? 1.0 : -1.0;
-    Eigen::MatrixXd contact = Eigen::MatrixXd::Zero(6, slow_ ? open_.sampleCount() : 0);
+    Eigen::MatrixXd contact = Eigen::MatrixXd::Zero(6, open_.sampleCount());
     for (Eigen::Index row = 0; row < tangent_.rows(); ++row) {
         if (!touched_[row]) continue;
         const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
-        Eigen::RowVectorXd q = Eigen::RowVectorXd::Zero(open_.sampleCount());
-        for (const auto& change : effect.changes) q += d.dot(change.direction) * change.series;
-        const Eigen::RowVectorXd force = sign * (tangent_.row(row).array() - rest_tangent_[row]) * q.array();
-        if (slow_)
-            contact += d * force;
-        else
-            white += axis_white_[row] * spectra_.transform(force).row(0).asDiagonal();
+        Eigen::Matrix3Xd q = Eigen::Matrix3Xd::Zero(3, open_.sampleCount());
+        for (const auto& change : effect.changes) q += sign * d.dot(change.direction) * change.series;
+        contact += d * axis_tangents_[row].calcBeyondMean(q.row(0).transpose(), q.row(1).transpose()).transpose();
     }
-    if (slow_) white += whiten(transformMount(contact), {});
-    return white;
+    if (!slow_) return white + whiten(spectra_.transform(contact), {});
+    // The slow motion follows what contact and the mean laws make together: what an error has below the band is
+    // balanced, as the slow motion itself.
+    Eigen::MatrixXd all = contact;
+    for (const auto& change : effect.changes) {
+        all += sign * mean_stiffness_ * change.direction * change.series.row(0);
+        all += sign * mean_damping_ * change.direction * change.series.row(1);
+        if (mobile) all += calcMassMatrix(model_.body) * change.direction * change.series.row(2);
+    }
+    return white + whiten(spectra_.transform(contact - slow_->calcForces(slow_->solve(all))), {});
+}
+
+TurningWrench Lineariser::makeTurningWrench() const {
+    const Eigen::Index connections = model_.connections.size();
+    const bool loaded = loadsMobilePart(open_, model_);
+    TurningWrench wrench;
+    wrench.forces.resize(3 * (connections + (loaded ? 1 : 0)), open_.sampleCount());
+    wrench.forces.topRows(3 * connections) = forces_;
+    if (loaded) wrench.forces.bottomRows(3) = -calcLoad(open_, model_);
+    Eigen::VectorXd stiffness(3 * connections);
+    for (Eigen::Index row = 0; row < stiffness.size(); ++row) stiffness[row] = axis_tangents_[row].meanStiffness();
+    wrench.outputs = [&model = model_, stiffness, connections, loaded](const TurningInstant& at) {
+        Eigen::VectorXd result = Eigen::VectorXd::Zero(12);
+        result.head<6>() = calcDemand(model.body, model.gravity, at.R, at.w, at.a, at.alpha);
+        const auto add = [&](const Eigen::Vector3d& force, const Eigen::Vector3d& arm) {
+            result.segment<3>(6) += force;
+            result.tail<3>() += arm.cross(force);
+        };
+        for (Eigen::Index c = 0; c < connections; ++c) {
+            const Eigen::Vector3d& r = model.connections[c].position;
+            const Eigen::Vector3d arm = at.R * r;
+            add(at.forces.segment<3>(3 * c) + stiffness.segment<3>(3 * c).cwiseProduct(at.p + arm - r), arm);
+        }
+        if (loaded) add(at.forces.tail<3>(), at.R * model.load_point->position);
+        return result;
+    };
+    return wrench;
 }
 
 Eigen::MatrixXcd Lineariser::whitenDirection(const Vector6& d) const {

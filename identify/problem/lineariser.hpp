@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "identify/problem/axis_tangent.hpp"
 #include "identify/problem/bracket_equation.hpp"
 #include "identify/problem/linearised_run.hpp"
 #include "identify/problem/open_loop_run.hpp"
@@ -79,6 +80,9 @@ public:
     /// What a sensor's error makes of one part's motion, with its series where inContact(). @return whitened
     Eigen::MatrixXcd calcMotionColumn(const SensorEffect& effect) const;
 
+    /// Needs prepareColumns().
+    TurningWrench makeTurningWrench() const;
+
     bool inContact() const { return in_contact_; }
     const MotionNoise& motionNoise() const { return motion_noise_; }
 
@@ -106,6 +110,8 @@ private:
     BracketEquation bracket_;
     Eigen::MatrixXd demand_, mount_series_;
     AxisSeries forces_, tangent_;
+    std::vector<AxisTangent> axis_tangents_;
+    Matrix6 mean_stiffness_ = Matrix6::Zero(), mean_damping_ = Matrix6::Zero();  // of the relative motion
     Eigen::VectorXd rest_tangent_;
     std::vector<char> touched_;
     bool in_contact_ = false;

@@ -135,17 +135,21 @@ void addAxisWrench(const OpenLoopRun& run, const MountModel& model, int connecti
     }
 }
 
+Vector6 calcDemand(const MobileBody& body, const Eigen::Vector3d& gravity, const Eigen::Matrix3d& R,
+                   const Eigen::Vector3d& w, const Eigen::Vector3d& a, const Eigen::Vector3d& alpha) {
+    const Eigen::Vector3d c = R * body.center_of_gravity;
+    const Eigen::Vector3d force = body.mass * (a + alpha.cross(c) + w.cross(w.cross(c)) - gravity);
+    const Eigen::Matrix3d inertia = R * body.inertia * R.transpose();
+    Vector6 demand;
+    demand << force, inertia * alpha + w.cross(inertia * w + R * body.spin) + c.cross(force);
+    return demand;
+}
+
 Eigen::MatrixXd calcDemand(const OpenLoopRun& run, const MobileBody& body, const Eigen::Vector3d& gravity) {
     Eigen::MatrixXd demand(6, run.sampleCount());
-    for (int k = 0; k < run.sampleCount(); ++k) {
-        const Eigen::Matrix3d& R = run.mobile.R[k];
-        const Eigen::Vector3d c = R * body.center_of_gravity, w = run.mobile.w.col(k), alpha = run.mobile.alpha.col(k);
-        const Eigen::Vector3d a = run.mobile.a.col(k) + alpha.cross(c) + w.cross(w.cross(c)) - gravity;
-        const Eigen::Matrix3d inertia = R * body.inertia * R.transpose();
-        const Eigen::Vector3d force = body.mass * a;
-        demand.block<3, 1>(0, k) = force;
-        demand.block<3, 1>(3, k) = inertia * alpha + w.cross(inertia * w + R * body.spin) + c.cross(force);
-    }
+    const SmoothPart& part = run.mobile;
+    for (Eigen::Index k = 0; k < demand.cols(); ++k)
+        demand.col(k) = calcDemand(body, gravity, part.R[k], part.w.col(k), part.a.col(k), part.alpha.col(k));
     return demand;
 }
 

@@ -43,7 +43,10 @@ Eigen::VectorXd calcAxisForce(const OpenLoopRun& run, const AxisLaw& law, int co
 void addAxisWrench(const OpenLoopRun& run, const MountModel& model, int connection, int axis,
                    const Eigen::Ref<const Eigen::VectorXd>& f, Eigen::MatrixXd& wrench);
 
-/// Demanded wrench.
+/// Demanded wrench at an instant: of the mobile part's rotation, angular velocity, and accelerations (of Mo).
+Vector6 calcDemand(const MobileBody& body, const Eigen::Vector3d& gravity, const Eigen::Matrix3d& R,
+                   const Eigen::Vector3d& w, const Eigen::Vector3d& a, const Eigen::Vector3d& alpha);
+/// The same at all samples.
 Eigen::MatrixXd calcDemand(const OpenLoopRun& run, const MobileBody& body, const Eigen::Vector3d& gravity);
 
 /// Demand less the load on the mobile part, plus all axes.

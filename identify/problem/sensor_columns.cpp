@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
-#include "models/bryant.hpp"
 #include "models/common/units.hpp"
 
 namespace wems::identify {
@@ -14,9 +14,6 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kDependent = 1e-10;  // relative size of a singular value of motions that channels do not show
-// Of the lowest frequency, for central differences: the motion moves by a thousandth of itself, so that what is left
-// out is a millionth of the column.
-constexpr double kCornerStep = 1e-3;
 
 bool isSensor(UnknownKind kind) {
     switch (kind) {
@@ -55,13 +52,9 @@ SensorColumns::SensorColumns(const TestRun& test, const SensorLayout& layout, co
         group.rank = (values.array() > kDependent * values[0]).count();
         group.inverse = svd.matrixV().leftCols(group.rank) * values.head(group.rank).cwiseInverse().asDiagonal() *
                         svd.matrixU().leftCols(group.rank).transpose();
-        const SmoothPart& part = group.part == Part::mobile ? run.mobile : run.fixed;
         group.reading.resize(samples.channels.size(), run.sampleCount());
-        for (Eigen::Index k = 0; k < group.reading.cols(); ++k)
-            for (Eigen::Index c = 0; c < group.reading.rows(); ++c)
-                group.reading(c, k) =
-                    calcChannelMotion(layout.channels[samples.channels[c]], group.derivative, part.R[k], part.p.col(k),
-                                      part.w.col(k), part.a.col(k), part.alpha.col(k));
+        for (Eigen::Index c = 0; c < group.reading.rows(); ++c)
+            group.reading.row(c) = calcReading(layout.channels[samples.channels[c]], group);
         const Eigen::MatrixXd& folded = group.part == Part::mobile ? run.mobile_folded : run.fixed_folded;
         if (folded.size() > 0 && group.derivative == Derivative::displacement) samples.values -= group.design * folded;
         Eigen::MatrixXd residual = run.filter.apply(samples.values, 0) - group.reading;
@@ -94,26 +87,34 @@ double SensorColumns::calcWeight(const Group& group, double w) const {
     return group.derivative == Derivative::displacement ? weights.displacement : -weights.acceleration / (w * w);
 }
 
-Eigen::RowVectorXd SensorColumns::calcSeries(const Unknown& row, const Change& change) const {
-    const Group& group = groups_[change.group];
-    Vector6 from;
-    Eigen::MatrixXcd all = fourier_.forward(calcSignal(row, group, change.channel, from));
+Eigen::Matrix3Xd SensorColumns::calcDerivatives(const Eigen::RowVectorXcd& spectrum, const Group& group,
+                                                UnknownKind kind) const {
+    Eigen::MatrixXcd all = spectrum.replicate<3, 1>();
     const double bin = kTwoPi / (fourier_.size() * run_.interval),
                  slowest = kTwoPi * kSlowestIntegrated * run_.band.lowest;
-    const bool plain = group.derivative == Derivative::displacement && calcTransfer(row.kind, 1.0) == Complex(1.0);
+    const bool plain = group.derivative == Derivative::displacement && calcTransfer(kind, 1.0) == Complex(1.0);
     for (Eigen::Index k = 0; k < all.cols(); ++k) {
         const double w = bin * static_cast<double>(k);
-        if (w < slowest && !plain)
-            all(0, k) = 0;
-        else if (w > 0)
-            all(0, k) *= calcTransfer(row.kind, w) * calcWeight(group, w);
+        Complex factor = w > 0 ? calcTransfer(kind, w) * calcWeight(group, w) : Complex(1);
+        if (w < slowest && !plain) factor = 0;
+        all(0, k) *= factor;
+        all(1, k) *= Complex(0, w) * factor;
+        all(2, k) *= -w * w * factor;
     }
     return fourier_.inverse(all, run_.sampleCount());
 }
 
+Eigen::RowVectorXd SensorColumns::calcReading(const SensorChannel& channel, const Group& group) const {
+    const SmoothPart& part = group.part == Part::mobile ? run_.mobile : run_.fixed;
+    Eigen::RowVectorXd reading(run_.sampleCount());
+    for (Eigen::Index k = 0; k < reading.size(); ++k)
+        reading[k] = calcChannelMotion(channel, group.derivative, part.R[k], part.p.col(k), part.w.col(k),
+                                       part.a.col(k), part.alpha.col(k));
+    return reading;
+}
+
 Eigen::RowVectorXd SensorColumns::calcSignal(const Unknown& row, const Group& group, Eigen::Index index,
                                              Vector6& from) const {
-    const SmoothPart& part = group.part == Part::mobile ? run_.mobile : run_.fixed;
     const bool displacement = group.derivative == Derivative::displacement;
     const int number = group.channels[index];
     const auto& channel = layout_.channels[number];
@@ -134,18 +135,18 @@ Eigen::RowVectorXd SensorColumns::calcSignal(const Unknown& row, const Group& gr
             across.direction = channel.direction.cross(Eigen::Vector3d::Unit(row.second));
             if (across.direction.isZero(1e-12)) break;
             from << across.direction, across.position.cross(across.direction);
-            signal.resize(run_.sampleCount());
-            for (Eigen::Index k = 0; k < signal.size(); ++k)
-                signal[k] = calcChannelMotion(across, group.derivative, part.R[k], part.p.col(k), part.w.col(k),
-                                              part.a.col(k), part.alpha.col(k));
+            signal = calcReading(across, group);
             break;
         }
         case UnknownKind::station_place: {
             if (channel.station != row.first) break;
             const Eigen::Vector3d lever = Eigen::Vector3d::Unit(row.second).cross(channel.direction);
-            if (lever.isZero(1e-12)) break;
             from << Eigen::Vector3d::Zero(), lever;
-            signal = lever.transpose() * (displacement ? part.theta : part.alpha);
+            // A reading is affine in the place.
+            SensorChannel unit = channel, origin = channel;
+            unit.position = Eigen::Vector3d::Unit(row.second);
+            origin.position.setZero();
+            signal = calcReading(unit, group) - calcReading(origin, group);
             break;
         }
         default:
@@ -183,62 +184,99 @@ SensorEffect SensorColumns::calcEffect(std::size_t row, bool with_series) const 
                                         {}};
         for (Eigen::Index b = 0; b < own.spectrum.size(); ++b)
             own.spectrum[b] = -calcWeight(group, spectra_.angular(b)) * change.spectrum[b];
-        if (with_series) own.series = -calcSeries(unknown, change);
+        if (with_series) {
+            Vector6 from;
+            const Eigen::RowVectorXd signal = calcSignal(unknown, group, change.channel, from);
+            own.series = -calcDerivatives(fourier_.forward(signal), group, unknown.kind);
+        }
         effect.changes.push_back(std::move(own));
     }
+    if (second_.empty() || second_[row].size() == 0) return effect;
+    const Eigen::MatrixXcd second = second_[row].cast<Complex>();
+    effect.correction = Eigen::MatrixXcd::Zero(6, second.cols());
+    Eigen::Index first = 0;
+    for (const std::size_t g : findGroups(effect.part)) {
+        const Group& group = groups_[g];
+        const Eigen::MatrixXcd fused = group.inverse.cast<Complex>() * second.middleRows(first, group.design.rows());
+        for (Eigen::Index b = 0; b < fused.cols(); ++b)
+            effect.correction.col(b) -= calcWeight(group, spectra_.angular(b)) * fused.col(b);
+        first += group.design.rows();
+    }
+    if (effect.part == Part::mobile) effect.wrench = second.bottomRows(12);
     return effect;
 }
 
-Eigen::MatrixXd SensorColumns::integrate(const Eigen::MatrixXd& rows, Part part, bool in_motion) const {
-    Eigen::MatrixXcd spectrum = fourier_.forward(rows);
-    const double bin = 1 / (fourier_.size() * run_.interval),
-                 slowest = in_motion ? std::max(kSlowestIntegrated * run_.band.lowest, run_.lowest)
-                                     : kSlowestIntegrated * run_.band.lowest;
-    for (Eigen::Index k = 0; k < spectrum.cols(); ++k) {
-        const double frequency = bin * static_cast<double>(k), w = kTwoPi * frequency;
-        spectrum.col(k) *= frequency < slowest ? Complex(0)
-                                               : calcTransfer(UnknownKind::corner, w) *
-                                                     (in_motion ? noise_.weights(part, w).acceleration : 1.0);
-    }
-    return fourier_.inverse(spectrum, run_.sampleCount());
+std::vector<std::size_t> SensorColumns::findGroups(Part part) const {
+    std::vector<std::size_t> found;
+    for (std::size_t g = 0; g < groups_.size(); ++g)
+        if (groups_[g].part == part) found.push_back(g);
+    return found;
 }
 
-// The motion that the accelerometers give is integrated as they are, but each sits on a lever that turns with the part:
-// ∫ α × R r is not (∫ α) × R r. To first order in the motion nothing of a corner would be left, and what is of second
-// order are some hundred standard deviations of the noise.
-std::vector<Eigen::MatrixXcd> SensorColumns::calcCornerChanges(const std::vector<std::size_t>& groups,
-                                                               Part part) const {
-    const SmoothPart& motion = part == Part::mobile ? run_.mobile : run_.fixed;
-    const double step = kCornerStep * run_.band.lowest;
-    const auto moved = [&](const Eigen::Matrix3Xd& rows) {
-        return Eigen::Matrix3Xd(step * integrate(rows, part, true));
+SecondOrder::Signals SensorColumns::calcSignals(const Group& group, UnknownKind kind) const {
+    const SmoothPart& part = group.part == Part::mobile ? run_.mobile : run_.fixed;
+    const bool displacement = group.derivative == Derivative::displacement;
+    Eigen::MatrixXd rows(6, run_.sampleCount());
+    rows << (displacement ? part.p : part.a), (displacement ? part.theta : part.alpha);
+    rows.colwise() -= rows.rowwise().mean().eval();
+    const Eigen::MatrixXcd spectrum = fourier_.forward(rows);
+    SecondOrder::Signals signals;
+    for (Eigen::Index m = 0; m < rows.rows(); ++m)
+        signals[static_cast<std::size_t>(m)] = -calcDerivatives(spectrum.row(m), group, kind);
+    return signals;
+}
+
+TurningOutputs SensorColumns::makeOutputs(const std::vector<std::size_t>& groups, const TurningWrench* wrench) const {
+    return [this, groups, wrench](const TurningInstant& at) {
+        std::vector<double> values;
+        for (const std::size_t g : groups)
+            for (const int channel : groups_[g].channels)
+                values.push_back(calcChannelMotion(layout_.channels[channel], groups_[g].derivative, at.R, at.p, at.w,
+                                                   at.a, at.alpha));
+        Eigen::VectorXd all = Eigen::Map<Eigen::VectorXd>(values.data(), values.size());
+        if (wrench == nullptr) return all;
+        const Eigen::VectorXd own = wrench->outputs(at);
+        all.conservativeResize(all.size() + own.size());
+        all.tail(own.size()) = own;
+        return all;
     };
-    const Eigen::Matrix3Xd p = moved(motion.p), theta = moved(motion.theta), w = moved(motion.w), a = moved(motion.a),
-                           alpha = moved(motion.alpha);
-    std::vector<Eigen::MatrixXcd> changes;
-    for (const std::size_t g : groups) {
-        const Group& group = groups_[g];
-        const Eigen::MatrixXd own = group.derivative == Derivative::acceleration
-                                        ? integrate(group.reading, part, false)
-                                        : Eigen::MatrixXd::Zero(group.reading.rows(), group.reading.cols());
-        Eigen::MatrixXd beyond(own.rows(), own.cols());
-        for (Eigen::Index k = 0; k < own.cols(); ++k) {
-            const Eigen::Matrix3d ahead = rotationFromVector(motion.theta.col(k) + theta.col(k));
-            const Eigen::Matrix3d behind = rotationFromVector(motion.theta.col(k) - theta.col(k));
-            for (Eigen::Index c = 0; c < own.rows(); ++c) {
-                const SensorChannel& channel = layout_.channels[group.channels[c]];
-                const auto read = [&](const Eigen::Matrix3d& R, double sign) {
-                    return calcChannelMotion(channel, group.derivative, R, motion.p.col(k) + sign * p.col(k),
-                                             motion.w.col(k) + sign * w.col(k), motion.a.col(k) + sign * a.col(k),
-                                             motion.alpha.col(k) + sign * alpha.col(k));
-                };
-                beyond(c, k) = own(c, k) - (read(ahead, 1) - read(behind, -1)) / (2 * step);
+}
+
+Matrix6 SensorColumns::calcMotionChange(std::size_t row, std::size_t group) const {
+    Matrix6 C = Matrix6::Zero();
+    for (const Change& change : changes_[row])
+        if (change.group == group) C += groups_[group].inverse.col(change.channel) * change.signal.transpose();
+    return C;
+}
+
+void SensorColumns::addSecondOrder(const TurningWrench& wrench) {
+    // A turn, a gain and a place change a channel by what it reads.
+    constexpr UnknownKind kKinds[] = {UnknownKind::channel_gain, UnknownKind::channel_delay, UnknownKind::corner};
+    second_.assign(table_.size(), {});
+    for (const Part part : {Part::mobile, Part::fixed}) {
+        const bool mobile = part == Part::mobile;
+        const std::vector<std::size_t> groups = findGroups(part);
+        const TurningOutputs outputs = makeOutputs(groups, mobile ? &wrench : nullptr);
+        const Eigen::MatrixXd forces = mobile ? wrench.forces : Eigen::MatrixXd(0, run_.sampleCount());
+        for (const std::size_t g : groups)
+            for (const UnknownKind like : kKinds) {
+                std::optional<SecondOrder> order;
+                for (std::size_t i = 0; i < changes_.size(); ++i) {
+                    const UnknownKind kind = table_[i].kind;
+                    if (calcTransfer(kind, 1.0) != calcTransfer(like, 1.0)) continue;
+                    const Matrix6 C = calcMotionChange(i, g);
+                    if (C.isZero(0.0)) continue;
+                    if (!order)
+                        order.emplace(mobile ? run_.mobile : run_.fixed, forces, calcSignals(groups_[g], like),
+                                      spectra_, outputs);
+                    const Eigen::MatrixXcf own = order->calc(C).cast<std::complex<float>>();
+                    if (second_[i].size() == 0)
+                        second_[i] = own;
+                    else if (own.size() > 0)
+                        second_[i] += own;
+                }
             }
-        }
-        beyond.colwise() -= beyond.rowwise().mean().eval();
-        changes.push_back(spectra_.transform(beyond));
     }
-    return changes;
 }
 
 }  // namespace wems::identify

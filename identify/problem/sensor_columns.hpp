@@ -3,7 +3,9 @@
 /// them.
 ///
 /// With H the channels' design, W their weights in the fused motion and s the change of a channel by a unit error, the
-/// motion changes by −W H⁺ s and the channels' residual by −(1 − H W H⁺) s.
+/// motion changes by −W H⁺ s and the channels' residual by −(1 − H W H⁺) s. The motion that has changed turns the
+/// sensors' levers otherwise: with N what it makes the channels read beyond H times itself (second_order.hpp), both
+/// change by as much again with N in the place of s.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,6 +16,7 @@
 
 #include "identify/problem/information.hpp"
 #include "identify/problem/run_noise.hpp"
+#include "identify/problem/second_order.hpp"
 #include "identify/problem/unknown.hpp"
 
 namespace wems::identify {
@@ -28,10 +31,13 @@ struct SensorEffect {
         /// kind.
         std::shared_ptr<const Eigen::VectorXcd> weight;
         Eigen::VectorXcd spectrum;  ///< tapered, at each bin
-        Eigen::RowVectorXd series;  ///< of all samples; empty unless asked for
+        Eigen::Matrix3Xd series;    ///< of all samples, and its two derivatives; empty unless asked for
     };
     Part part = Part::mobile;
     std::vector<ChannelChange> changes;  ///< none: the unknown is no sensor's
+    /// Beyond first order (SecondOrder): of the motion (6 x bins), and beside it of what is demanded of the mobile part
+    /// above what the laws give (12 x bins). Empty where it is nothing.
+    Eigen::MatrixXcd correction, wrench;
 };
 
 /// Of the unknowns of a table.
@@ -41,6 +47,10 @@ public:
     SensorColumns(const TestRun& test, const SensorLayout& layout, const OpenLoopRun& run,
                   const EquationSpectra& spectra, const MotionNoise& noise, const UnknownTable& table,
                   const std::vector<char>& wanted);
+
+    /// Forms what the errors do beyond first order: before calcEffect and calcInformation.
+    /// @param wrench of the mobile part
+    void addSecondOrder(const TurningWrench& wrench);
 
     SensorEffect calcEffect(std::size_t row, bool with_series) const;
 
@@ -67,25 +77,28 @@ private:
         Eigen::VectorXcd spectrum;  // tapered, at the bins
         Vector6 signal;             // change = signal · motion, beside the transfer
     };
-    struct Members;  // sensor_information.cpp
-    struct Redundancy;
-
+    /// Of the smoothed motion.
+    Eigen::RowVectorXd calcReading(const SensorChannel& channel, const Group& group) const;
     /// What a unit of an unknown makes of a channel beside the transfer; empty if nothing.
     /// @param from by which it follows from the motion
     Eigen::RowVectorXd calcSignal(const Unknown& row, const Group& group, Eigen::Index channel, Vector6& from) const;
     std::vector<Change> calcChanges(const Unknown& row) const;
-    /// A channel's change as a displacement in the fused motion.
-    Eigen::RowVectorXd calcSeries(const Unknown& row, const Change& change) const;
+    /// What a change of that spectrum in a channel of a group is as a displacement in the fused motion, with its two
+    /// derivatives, at the samples.
+    Eigen::Matrix3Xd calcDerivatives(const Eigen::RowVectorXcd& spectrum, const Group& group, UnknownKind kind) const;
     /// Of the fused displacement by a channel's change at a bin.
     double calcWeight(const Group& group, double w) const;
-    /// What a corner of 1 Hz adds to each row (x samples), or to a row of the motion that follows from all channels.
-    Eigen::MatrixXd integrate(const Eigen::MatrixXd& rows, Part part, bool in_motion) const;
-    /// What a corner of 1 Hz changes in the channels of a part's groups beyond what it does to the motion: channels x
-    /// bins, tapered.
-    std::vector<Eigen::MatrixXcd> calcCornerChanges(const std::vector<std::size_t>& groups, Part part) const;
-    void addCorners(const Redundancy& at, const std::vector<Eigen::MatrixXcd>& residual, Part part,
-                    BlockInformation& block) const;
-    Members collectMembers(std::size_t group) const;
+    /// By which errors of a kind in a group move the part, for each coordinate of its motion.
+    SecondOrder::Signals calcSignals(const Group& group, UnknownKind kind) const;
+    /// Of a part's channels, those of all its groups below each other, then the wrench of the mobile part.
+    TurningOutputs makeOutputs(const std::vector<std::size_t>& groups, const TurningWrench* wrench) const;
+    std::vector<std::size_t> findGroups(Part part) const;
+    /// By how the channels' errors move the part.
+    Matrix6 calcMotionChange(std::size_t row, std::size_t group) const;
+    // Of sensor_information.cpp, at `count` bins from one on: whitened, real beside imaginary parts.
+    Eigen::VectorXd calcColumn(const std::vector<std::size_t>& groups, Eigen::Index unknown, Eigen::Index rows,
+                               Eigen::Index from, Eigen::Index count) const;
+    Eigen::VectorXd whiten(const std::vector<std::size_t>& groups, Eigen::MatrixXcd& rows, Eigen::Index from) const;
     /// What the noise of a channel's reading adds to the slope of its gain in the mean, in the sensors' own equations.
     Eigen::MatrixXd calcGainSlopes(const std::vector<std::size_t>& groups, Eigen::Index size) const;
 
@@ -100,6 +113,7 @@ private:
     Fourier fourier_;
     std::vector<Group> groups_;
     std::vector<std::vector<Change>> changes_;  // of each row of the table
+    std::vector<Eigen::MatrixXcf> second_;      // of each row: makeOutputs x bins; empty: nothing
     std::map<std::pair<std::size_t, UnknownKind>, std::shared_ptr<const Eigen::VectorXcd>> weights_;
 };
 

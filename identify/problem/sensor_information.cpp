@@ -1,78 +1,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "identify/problem/sensor_columns.hpp"
 
 namespace wems::identify {
-
-// A unit error changes channel c of group h by s at a bin. With B_gh = H_g H_h⁺, the fused reading f_g of a
-// displacement in group g (1, or −ω²) and the weight W_h of group h in the fused motion, the channels of group g leave
-//
-//     B_gh e_c f_g W_h s − δ_gh e_c s
-//
-// so that the product of two columns is a sum of ∫ u s* s' with a few functions u of frequency, each times a number of
-// the two channels: nothing needs the columns themselves.
-/// Changes of a group's channels: real above imaginary parts, a column each.
-struct SensorColumns::Members {
-    std::vector<Eigen::Index> row, channel;
-    Eigen::MatrixXd values;
-
-    /// Of a change with a column whose dual is known.
-    double calcProduct(std::size_t e, const Eigen::MatrixXcd& dual) const {
-        const auto line = dual.row(channel[e]);
-        const Eigen::Index bins = line.size(), column = e;
-        return values.col(column).head(bins).dot(line.real().transpose()) +
-               values.col(column).tail(bins).dot(line.imag().transpose());
-    }
-};
-
-/// Of a part that has channels beyond its motions: how they hang together.
-struct SensorColumns::Redundancy {
-    using Spectra = std::vector<Eigen::MatrixXcd>;  // of each group, channels x bins
-
-    std::vector<std::size_t> groups;
-    std::vector<Eigen::VectorXd> precision;          // of a group's values at each bin, real and imaginary parts apart
-    std::vector<std::vector<Eigen::VectorXd>> back;  // [g][h]: f_g W_h at each bin
-    std::vector<std::vector<Eigen::MatrixXd>> B;     // [g][h]
-
-    double calcProduct(const Spectra& a, const Spectra& b) const {
-        double sum = 0;
-        for (std::size_t g = 0; g < groups.size(); ++g)
-            sum += a[g].cwiseProduct(b[g].conjugate()).real().colwise().sum().dot(precision[g]);
-        return sum;
-    }
-
-    /// Z, with which Re Σ Z_c s* is the product of a column with the change s of channel c of a group.
-    Eigen::MatrixXcd calcDual(const Spectra& column, std::size_t h) const {
-        Eigen::MatrixXcd dual = -(column[h] * precision[h].asDiagonal());
-        for (std::size_t g = 0; g < groups.size(); ++g)
-            dual += B[g][h].transpose().cast<std::complex<double>>() *
-                    (column[g] * precision[g].cwiseProduct(back[g][h]).asDiagonal());
-        return dual;
-    }
-
-    /// Of each change of group h with each of group k.
-    Eigen::MatrixXd calcProducts(const Members& a, std::size_t h, const Members& b, std::size_t k) const {
-        const Eigen::Index rows = a.row.size(), cols = b.row.size();
-        Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(rows, cols);
-        const auto add = [&](const Eigen::VectorXd& u, const Eigen::MatrixXd& factor) {
-            const Eigen::MatrixXd common = a.values.transpose() * (u.replicate(2, 1).asDiagonal() * b.values);
-            sum += common.cwiseProduct(factor(a.channel, b.channel));
-        };
-        for (std::size_t g = 0; g < groups.size(); ++g)
-            add(precision[g].cwiseProduct(back[g][h]).cwiseProduct(back[g][k]), B[g][h].transpose() * B[g][k]);
-        if (h == k) {
-            add(precision[h].cwiseProduct(back[h][h]), -(B[h][h] + B[h][h].transpose()));
-            add(precision[h], Eigen::MatrixXd::Identity(B[h][h].rows(), B[h][h].rows()));
-        } else {
-            add(precision[h].cwiseProduct(back[h][k]), -B[h][k]);
-            add(precision[k].cwiseProduct(back[k][h]), -B[k][h].transpose());
-        }
-        return sum;
-    }
-};
 
 // With w_x, w_a the weights of displacements and accelerations in the fused motion, σ_x and σ_a = ω² σ the noises and P
 // the projection on rigid motions, a channel's fused reading and the residuals share
@@ -106,111 +38,103 @@ Eigen::MatrixXd SensorColumns::calcGainSlopes(const std::vector<std::size_t>& gr
     return slopes;
 }
 
+// A unit error changes channel c of group h by s at a bin. With B_gh = H_g H_h⁺, the fused reading f_g of a
+// displacement in group g (1, or −ω²) and the weight W_h of group h in the fused motion, the channels of group g leave
+//
+//     B_gh e_c f_g W_h s − δ_gh e_c s
+//
+// and beyond first order, with N_g what the moved motion reads there, −N_g + Σ_h B_gh f_g W_h N_h.
 BlockInformation SensorColumns::calcInformation(Part part, Eigen::Index size) const {
     BlockInformation block;
-    Redundancy at;
+    const std::vector<std::size_t> groups = findGroups(part);
     Eigen::Index rows = 0, rank = 0;
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-        if (groups_[g].part != part) continue;
-        at.groups.push_back(g);
+    for (const std::size_t g : groups) {
         rows += groups_[g].design.rows();
         rank = std::max(rank, groups_[g].rank);
     }
     if (rows <= rank) return block;
     const Eigen::Index bins = spectra_.binCount();
-    const std::size_t count = at.groups.size();
-    for (const std::size_t g : at.groups) {
-        Eigen::VectorXd precision(bins);
-        for (Eigen::Index b = 0; b < bins; ++b)
-            precision[b] = 2 / (groups_[g].noise->at(spectra_.frequency(b)) * spectra_.noiseGain());
-        at.precision.push_back(std::move(precision));
-        auto& back = at.back.emplace_back(count, Eigen::VectorXd(bins));
-        auto& B = at.B.emplace_back();
-        for (std::size_t h = 0; h < count; ++h) {
-            const Group& other = groups_[at.groups[h]];
-            for (Eigen::Index b = 0; b < bins; ++b) {
-                const double w = spectra_.angular(b);
-                const double reading = groups_[g].derivative == Derivative::displacement ? 1.0 : -w * w;
-                back[h][b] = reading * calcWeight(other, w);
-            }
-            B.push_back(groups_[g].design * other.inverse);
-        }
-    }
-    Redundancy::Spectra residual;
-    for (const std::size_t g : at.groups) residual.push_back(groups_[g].residual);
+    std::vector<Eigen::Index> unknowns;
+    for (std::size_t i = 0; i < changes_.size(); ++i)
+        if (!changes_[i].empty() && groups_[changes_[i].front().group].part == part)
+            unknowns.push_back(static_cast<Eigen::Index>(i));
     block.A = Eigen::MatrixXd::Zero(size, size);
     block.b = Eigen::VectorXd::Zero(size);
-    block.chi_squared = at.calcProduct(residual, residual);
     block.count = static_cast<double>(2 * bins * (rows - rank));
-    block.noise_levels = Eigen::VectorXd::Constant(1, block.chi_squared / block.count);
-    block.noise_slopes = calcGainSlopes(at.groups, size) * block.noise_levels[0];
-
-    addCorners(at, residual, part, block);
-    std::vector<Members> members;
-    for (const std::size_t g : at.groups) members.push_back(collectMembers(g));
-    for (std::size_t h = 0; h < count; ++h) {
-        const Members& own = members[h];
-        const Eigen::MatrixXcd dual = at.calcDual(residual, h);
-        for (std::size_t e = 0; e < own.row.size(); ++e) block.b[own.row[e]] += own.calcProduct(e, dual);
-        for (std::size_t k = 0; k <= h; ++k) {
-            const Eigen::MatrixXd common = at.calcProducts(own, h, members[k], k);
-            for (std::size_t e = 0; e < own.row.size(); ++e)
-                for (std::size_t f = 0; f < members[k].row.size(); ++f) {
-                    block.A(own.row[e], members[k].row[f]) += common(e, f);
-                    if (k < h) block.A(members[k].row[f], own.row[e]) += common(e, f);
-                }
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(unknowns.size(), unknowns.size());
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(unknowns.size());
+    constexpr Eigen::Index kChunk = 64;  // bins, for memory
+    for (Eigen::Index from = 0; from < bins; from += kChunk) {
+        const Eigen::Index count = std::min(kChunk, bins - from);
+        Eigen::MatrixXd columns(2 * rows * count, unknowns.size());
+        for (std::size_t u = 0; u < unknowns.size(); ++u)
+            columns.col(static_cast<Eigen::Index>(u)) = calcColumn(groups, unknowns[u], rows, from, count);
+        Eigen::MatrixXcd left(rows, count);
+        Eigen::Index first = 0;
+        for (const std::size_t g : groups) {
+            const Eigen::Index channels = groups_[g].design.rows();
+            left.middleRows(first, channels) = groups_[g].residual.middleCols(from, count);
+            first += channels;
         }
+        const Eigen::VectorXd residual = whiten(groups, left, from);
+        A.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+        b.noalias() += columns.transpose() * residual;
+        block.chi_squared += residual.squaredNorm();
     }
+    A.triangularView<Eigen::StrictlyUpper>() = A.transpose();
+    block.A(unknowns, unknowns) = A;
+    block.b(unknowns) = b;
+    block.noise_levels = Eigen::VectorXd::Constant(1, block.chi_squared / block.count);
+    block.noise_slopes = calcGainSlopes(groups, size) * block.noise_levels[0];
     return block;
 }
 
-/// AC coupling moves all channels of the part at once, beyond first order of the motion: a column as it is.
-void SensorColumns::addCorners(const Redundancy& at, const std::vector<Eigen::MatrixXcd>& residual, Part part,
-                               BlockInformation& block) const {
-    const std::size_t count = at.groups.size();
-    for (std::size_t i = 0; i < changes_.size(); ++i) {
-        if (table_[i].kind != UnknownKind::corner || changes_[i].empty() ||
-            groups_[changes_[i].front().group].part != part)
-            continue;
-        const Eigen::Index row = i;
-        const std::vector<Eigen::MatrixXcd> beyond = calcCornerChanges(at.groups, part);
-        Redundancy::Spectra column;
-        for (std::size_t g = 0; g < count; ++g) {
-            column.push_back(-beyond[g]);
-            for (std::size_t h = 0; h < count; ++h)
-                column[g] += at.B[g][h].cast<std::complex<double>>() * (beyond[h] * at.back[g][h].asDiagonal());
-        }
-        block.A(row, row) += at.calcProduct(column, column);
-        block.b[row] += at.calcProduct(column, residual);
-        for (std::size_t h = 0; h < count; ++h) {
-            const Members others = collectMembers(at.groups[h]);
-            const Eigen::MatrixXcd dual = at.calcDual(column, h);
-            for (std::size_t e = 0; e < others.row.size(); ++e) {
-                const double product = others.calcProduct(e, dual);
-                block.A(row, others.row[e]) += product;
-                block.A(others.row[e], row) += product;
-            }
-        }
+Eigen::VectorXd SensorColumns::calcColumn(const std::vector<std::size_t>& groups, Eigen::Index unknown,
+                                          Eigen::Index rows, Eigen::Index from, Eigen::Index count) const {
+    // What the channels change by beside the motion.
+    Eigen::MatrixXcd beyond = Eigen::MatrixXcd::Zero(rows, count);
+    if (!second_.empty() && second_[unknown].size() > 0)
+        beyond = second_[unknown].topRows(rows).middleCols(from, count).cast<std::complex<double>>();
+    std::vector<Eigen::Index> firsts;
+    Eigen::Index first = 0;
+    for (const std::size_t g : groups) {
+        for (const Change& change : changes_[unknown])
+            if (change.group == g)
+                beyond.row(first + change.channel) += change.spectrum.segment(from, count).transpose();
+        firsts.push_back(first);
+        first += groups_[g].design.rows();
     }
+    Eigen::MatrixXcd motion = Eigen::MatrixXcd::Zero(6, count);  // as displacement
+    for (std::size_t h = 0; h < groups.size(); ++h) {
+        const Group& group = groups_[groups[h]];
+        const Eigen::MatrixXcd own = group.inverse * beyond.middleRows(firsts[h], group.design.rows());
+        for (Eigen::Index b = 0; b < count; ++b)
+            motion.col(b) += calcWeight(group, spectra_.angular(from + b)) * own.col(b);
+    }
+    Eigen::MatrixXcd column = -beyond;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const Group& group = groups_[groups[g]];
+        const bool displacement = group.derivative == Derivative::displacement;
+        Eigen::MatrixXcd read = group.design * motion;
+        for (Eigen::Index b = 0; b < count && !displacement; ++b)
+            read.col(b) *= -spectra_.angular(from + b) * spectra_.angular(from + b);
+        column.middleRows(firsts[g], group.design.rows()) += read;
+    }
+    return whiten(groups, column, from);
 }
 
-SensorColumns::Members SensorColumns::collectMembers(std::size_t group) const {
-    Members members;
-    std::vector<const Change*> changes;
-    for (std::size_t i = 0; i < changes_.size(); ++i) {
-        if (table_[i].kind == UnknownKind::corner) continue;
-        for (const Change& change : changes_[i]) {
-            if (change.group != group) continue;
-            members.row.push_back(static_cast<Eigen::Index>(i));
-            members.channel.push_back(change.channel);
-            changes.push_back(&change);
-        }
+Eigen::VectorXd SensorColumns::whiten(const std::vector<std::size_t>& groups, Eigen::MatrixXcd& rows,
+                                      Eigen::Index from) const {
+    Eigen::Index first = 0;
+    for (const std::size_t g : groups) {
+        const Group& group = groups_[g];
+        for (Eigen::Index b = 0; b < rows.cols(); ++b)
+            rows.col(b).segment(first, group.design.rows()) *=
+                std::sqrt(2 / (group.noise->at(spectra_.frequency(from + b)) * spectra_.noiseGain()));
+        first += group.design.rows();
     }
-    const Eigen::Index bins = spectra_.binCount();
-    members.values.resize(2 * bins, changes.size());
-    for (std::size_t e = 0; e < changes.size(); ++e)
-        members.values.col(e) << changes[e]->spectrum.real(), changes[e]->spectrum.imag();
-    return members;
+    // Real and imaginary parts beside each other, as they lie.
+    return Eigen::Map<const Eigen::VectorXd>(reinterpret_cast<const double*>(rows.data()), 2 * rows.size());
 }
 
 }  // namespace wems::identify

@@ -128,3 +128,33 @@ TEST_CASE("A law without stops, and one whose stops are not reached, has no stop
     CHECK(calcStopForce(law, q, v, kInterval).isZero(0.0));
     CHECK(calcStopForce(law, Eigen::VectorXd(), Eigen::VectorXd(), kInterval).size() == 0);
 }
+
+// Against central differences of the force itself. Steps of a millionth of the motion move no edge of a contact over
+// one of the pieces that an interval is summed over, but for a few in thousands.
+TEST_CASE("A stop's force answers to a small change of the motion as differences say") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> draw(0, 1);
+    AxisLaw law;
+    law.stiffness = 1e5;  // no part of the stops
+    law.offset = 1e-4 * draw(random);
+    law.stops = {{Side::positive, 1e-3, 4e5, 0.5 * draw(random)}, {Side::negative, 1.1e-3, 3e5, 0.5 * draw(random)}};
+    constexpr Eigen::Index samples = 2000;
+    const double frequency = 20 + 30 * draw(random), other = 20 + 30 * draw(random), phase = draw(random);
+    Eigen::VectorXd q(samples), v(samples), change(samples), rate(samples);
+    for (Eigen::Index k = 0; k < samples; ++k) {
+        const double t = static_cast<double>(k) * kInterval, w = 6.283 * frequency, u = 6.283 * other;
+        q[k] = 1.5e-3 * std::sin(w * t);
+        v[k] = 1.5e-3 * w * std::cos(w * t);
+        change[k] = 1e-3 * std::sin(u * t + phase);
+        rate[k] = 1e-3 * u * std::cos(u * t + phase);
+    }
+    const double step = 1e-6;
+    const Eigen::VectorXd difference = (calcStopForce(law, q + step * change, v + step * rate, kInterval) -
+                                        calcStopForce(law, q - step * change, v - step * rate, kInterval)) /
+                                       (2 * step);
+    const Eigen::VectorXd derivative = StopDerivative(law, q, v, kInterval).apply(change, rate);
+    REQUIRE(difference.norm() > 0);
+    CHECK((difference - derivative).norm() < 1e-3 * difference.norm());
+}

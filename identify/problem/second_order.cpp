@@ -1,0 +1,127 @@
+#include "identify/problem/second_order.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
+
+#include "models/bryant.hpp"
+
+namespace wems::identify {
+namespace {
+
+// Of a mixed difference, in rad, rad/s, m/s² and so on: outputs are quadratic in all but the rotation, whose terms of
+// fourth order are a millionth of the second.
+constexpr double kStep = 1e-3;
+
+/// What an output can be a product of, beside forces: rotation, angular velocity and acceleration, acceleration.
+enum Turning { rotation, velocity, acceleration, push, kTurnings };
+
+/// An output has no more time derivatives than an acceleration, and a force none.
+struct Kind {
+    Eigen::Index coordinate;  // three of each Turning, then forces
+    int derivative;           // of the signal
+};
+
+std::vector<Kind> listKinds(Eigen::Index forces) {
+    constexpr struct {
+        Turning turning;
+        int derivative;
+    } kPairs[] = {{rotation, 0}, {rotation, 1},     {rotation, 2}, {velocity, 0},
+                  {velocity, 1}, {acceleration, 0}, {push, 0}};
+    std::vector<Kind> kinds;
+    for (const auto& pair : kPairs)
+        for (Eigen::Index axis = 0; axis < 3; ++axis) kinds.push_back({3 * pair.turning + axis, pair.derivative});
+    for (Eigen::Index f = 0; f < forces; ++f) kinds.push_back({3 * kTurnings + f, 0});
+    return kinds;
+}
+
+/// A motion of one coordinate, moved along a direction by a signal with one derivative.
+TurningInstant makeInstant(Eigen::Index forces, const Kind& kind, double value, int direction, double moved) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(3 * kTurnings + forces);
+    x[kind.coordinate] = value;
+    Vector6 q[3] = {Vector6::Zero(), Vector6::Zero(), Vector6::Zero()};
+    q[kind.derivative][direction] = moved;
+    const Eigen::Vector3d turn = q[0].tail<3>(), rate = q[1].tail<3>(), w = x.segment<3>(3 * velocity),
+                          alpha = x.segment<3>(3 * acceleration);
+    TurningInstant at;
+    at.R = rotationFromVector(turn) * rotationFromVector(x.segment<3>(3 * rotation));
+    at.p = q[0].head<3>();
+    at.w = w + rate + turn.cross(w);
+    at.a = x.segment<3>(3 * push) + q[2].head<3>();
+    at.alpha = alpha + q[2].tail<3>() + rate.cross(w) + turn.cross(alpha);
+    at.forces = x.tail(forces);
+    return at;
+}
+
+/// Mixed second derivatives by a kind of product: outputs x 6 directions. @param[out] largest of the outputs
+Eigen::MatrixXd differentiate(const TurningOutputs& outputs, Eigen::Index forces, const Kind& kind, double& largest) {
+    Eigen::MatrixXd coefficients;
+    for (int direction = 0; direction < 6; ++direction)
+        for (const double sign : {1.0, -1.0}) {
+            const Eigen::VectorXd ahead = outputs(makeInstant(forces, kind, sign * kStep, direction, kStep));
+            const Eigen::VectorXd behind = outputs(makeInstant(forces, kind, sign * kStep, direction, -kStep));
+            largest = std::max({largest, ahead.cwiseAbs().maxCoeff(), behind.cwiseAbs().maxCoeff()});
+            if (coefficients.size() == 0) coefficients.setZero(ahead.size(), 6);
+            coefficients.col(direction) += sign / (4 * kStep * kStep) * (ahead - behind);
+        }
+    return coefficients;
+}
+
+}  // namespace
+
+SecondOrder::SecondOrder(const SmoothPart& part, const Eigen::MatrixXd& forces, const Signals& signals,
+                         const EquationSpectra& spectra, const TurningOutputs& outputs) {
+    const Eigen::Index samples = part.p.cols(), bins = spectra.binCount();
+    std::vector<Eigen::MatrixXd> products;
+    for (const Kind& kind : listKinds(forces.rows())) {
+        double largest = 0;
+        Eigen::MatrixXd coefficients = differentiate(outputs, forces.rows(), kind, largest);
+        // What rounding makes of a product that is not there.
+        constexpr double kRounding = 10 * std::numeric_limits<double>::epsilon() / (kStep * kStep);
+        if (coefficients.cwiseAbs().maxCoeff() <= kRounding * largest) continue;
+        const Eigen::Index axis = kind.coordinate % 3;
+        Eigen::RowVectorXd x;
+        switch (kind.coordinate / 3) {
+            case rotation:
+                x = part.theta.row(axis);
+                break;
+            case velocity:
+                x = part.w.row(axis);
+                break;
+            case acceleration:
+                x = part.alpha.row(axis);
+                break;
+            case push:
+                x = part.a.row(axis);
+                break;
+            default:
+                x = forces.row(kind.coordinate - 3 * kTurnings);
+        }
+        Eigen::MatrixXd rows(6, samples);
+        for (std::size_t m = 0; m < signals.size(); ++m)
+            rows.row(static_cast<Eigen::Index>(m)) = x.cwiseProduct(signals[m].row(kind.derivative));
+        rows.colwise() -= rows.rowwise().mean().eval();
+        const Eigen::MatrixXcd spectrum = spectra.transform(rows);
+        products.emplace_back(6, 2 * bins);
+        products.back() << spectrum.real(), spectrum.imag();
+        coefficients_.push_back(std::move(coefficients));
+    }
+    products_.resize(6 * static_cast<Eigen::Index>(products.size()), 2 * bins);
+    for (std::size_t i = 0; i < products.size(); ++i)
+        products_.middleRows(6 * static_cast<Eigen::Index>(i), 6) = products[i];
+}
+
+Eigen::MatrixXcd SecondOrder::calc(const Matrix6& C) const {
+    if (coefficients_.empty()) return {};
+    Eigen::MatrixXd weights(coefficients_.front().rows(), products_.rows());
+    for (std::size_t i = 0; i < coefficients_.size(); ++i)
+        weights.middleCols(6 * static_cast<Eigen::Index>(i), 6) = coefficients_[i] * C;
+    const Eigen::MatrixXd all = weights * products_;
+    const Eigen::Index bins = all.cols() / 2;
+    Eigen::MatrixXcd result(all.rows(), bins);
+    result.real() = all.leftCols(bins);
+    result.imag() = all.rightCols(bins);
+    return result;
+}
+
+}  // namespace wems::identify

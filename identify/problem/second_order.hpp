@@ -1,0 +1,59 @@
+/// @file
+/// What an error of sensors makes of a motion beyond first order.
+///
+/// To first order in the motion, an error that all sensors of a part share (a gain, a shift, a turn, places stretched
+/// along with gains) is another rigid motion, which other masses and positions explain. Only what is of second order
+/// tells it from them: each sensor sits on a lever that turns with the part, as do the centre of gravity and the
+/// connections. With x_j(t) what the part turns and is pushed by, and q⁽ᵏ⁾(t) the derivatives of a signal by which the
+/// error moves it along direction i, what an output changes by beyond first order is
+///
+///     Σ c_ijk x_j(t) q⁽ᵏ⁾(t)
+///
+/// c the mixed second derivatives of the output at rest. The products are those of all errors with the same signals.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "identify/problem/open_loop_run.hpp"
+#include "identify/problem/run_noise.hpp"
+
+namespace wems::identify {
+
+/// One instant of a part's motion, and of forces that act on it.
+struct TurningInstant {
+    Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();
+    Eigen::Vector3d w = Eigen::Vector3d::Zero(), a = Eigen::Vector3d::Zero(), alpha = Eigen::Vector3d::Zero();
+    Eigen::VectorXd forces;
+};
+using TurningOutputs = std::function<Eigen::VectorXd(const TurningInstant&)>;
+
+/// Of the mobile part: what its motion demands above what the laws give (12, mount_equation.hpp), with the forces that
+/// turn with it (rows x samples).
+struct TurningWrench {
+    TurningOutputs outputs;
+    Eigen::MatrixXd forces;
+};
+
+class SecondOrder {
+public:
+    /// Six signals with their first two derivatives, each 3 x samples.
+    using Signals = std::array<Eigen::Matrix3Xd, 6>;
+
+    /// @param forces rows x samples
+    SecondOrder(const SmoothPart& part, const Eigen::MatrixXd& forces, const Signals& signals,
+                const EquationSpectra& spectra, const TurningOutputs& outputs);
+
+    /// Of a motion whose six coordinates (translation above rotation, m and rad) are C times the signals: outputs x
+    /// bins, tapered.
+    Eigen::MatrixXcd calc(const Matrix6& C) const;
+
+private:
+    std::vector<Eigen::MatrixXd> coefficients_;  // of each kind of product: outputs x 6 directions
+    Eigen::MatrixXd products_;                   // spectra, a row for each kind and signal; real beside imaginary parts
+};
+
+}  // namespace wems::identify
