@@ -72,34 +72,20 @@ Eigen::MatrixXd differentiate(const TurningOutputs& outputs, Eigen::Index forces
 SecondOrder::SecondOrder(const SmoothPart& part, const Eigen::MatrixXd& forces, const Signals& signals,
                          const EquationSpectra& spectra, const TurningOutputs& outputs) {
     const Eigen::Index samples = part.p.cols(), bins = spectra.binCount();
+    Eigen::MatrixXd coordinates(3 * kTurnings + forces.rows(), samples);  // as Kind counts them
+    coordinates << part.theta, part.w, part.alpha, part.a, forces;
     std::vector<Eigen::MatrixXd> products;
     for (const Kind& kind : listKinds(forces.rows())) {
         double largest = 0;
         Eigen::MatrixXd coefficients = differentiate(outputs, forces.rows(), kind, largest);
-        // What rounding makes of a product that is not there.
+        // What rounding makes of a product that is not there: a few operations, each of one part in 1 / epsilon of the
+        // output, over the steps.
         constexpr double kRounding = 10 * std::numeric_limits<double>::epsilon() / (kStep * kStep);
         if (coefficients.cwiseAbs().maxCoeff() <= kRounding * largest) continue;
-        const Eigen::Index axis = kind.coordinate % 3;
-        Eigen::RowVectorXd x;
-        switch (kind.coordinate / 3) {
-            case rotation:
-                x = part.theta.row(axis);
-                break;
-            case velocity:
-                x = part.w.row(axis);
-                break;
-            case acceleration:
-                x = part.alpha.row(axis);
-                break;
-            case push:
-                x = part.a.row(axis);
-                break;
-            default:
-                x = forces.row(kind.coordinate - 3 * kTurnings);
-        }
         Eigen::MatrixXd rows(6, samples);
         for (std::size_t m = 0; m < signals.size(); ++m)
-            rows.row(static_cast<Eigen::Index>(m)) = x.cwiseProduct(signals[m].row(kind.derivative));
+            rows.row(static_cast<Eigen::Index>(m)) =
+                coordinates.row(kind.coordinate).cwiseProduct(signals[m].row(kind.derivative));
         rows.colwise() -= rows.rowwise().mean().eval();
         const Eigen::MatrixXcd spectrum = spectra.transform(rows);
         products.emplace_back(6, 2 * bins);

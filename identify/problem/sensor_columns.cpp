@@ -250,7 +250,7 @@ Matrix6 SensorColumns::calcMotionChange(std::size_t row, std::size_t group) cons
 }
 
 void SensorColumns::addSecondOrder(const TurningWrench& wrench) {
-    // A turn, a gain and a place change a channel by what it reads.
+    // One for each transfer: a turn and a place change a channel by what it reads, as a gain does.
     constexpr UnknownKind kKinds[] = {UnknownKind::channel_gain, UnknownKind::channel_delay, UnknownKind::corner};
     second_.assign(table_.size(), {});
     for (const Part part : {Part::mobile, Part::fixed}) {

@@ -173,8 +173,7 @@ TEST_CASE("The sensors' quadratic follows shared errors as far as the part turns
     }
 }
 
-// To first order in the motion they left 6 % of the power of a shared gain, and more at twice the swept frequency,
-// where only what turns shows.
+// Of all frequencies, where contact and what is of first order rule.
 TEST_CASE("Columns of shared errors are differences of what the equations leave, in contact", "[linearised run]") {
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
