@@ -304,7 +304,7 @@ LinearisedRun linearise(Lineariser& at, const TestRun& run, const SensorLayout& 
                  [&] {
                      sensors.emplace(run, layout, at.run(), at.spectra(), at.motionNoise(), *columns.table,
                                      columns.wanted);
-                     sensors->addSecondOrder(at.makeTurningWrench());
+                     sensors->addSecondOrder({at.makeTurningWrench(Part::mobile), at.makeTurningWrench(Part::fixed)});
                  }});
     for (std::size_t i = 0; i < columns.table->size(); ++i) {
         const SensorEffect effect = sensors->calcEffect(i, at.inContact());

@@ -284,26 +284,33 @@ Eigen::MatrixXcd Lineariser::calcMotionColumn(const SensorEffect& effect) const 
     return white + whiten(spectra_.transform(contact - slow_->calcForces(slow_->solve(all))), {});
 }
 
-TurningWrench Lineariser::makeTurningWrench() const {
+TurningWrench Lineariser::makeTurningWrench(Part part) const {
     const Eigen::Index connections = model_.connections.size();
-    const bool loaded = loadsMobilePart(open_, model_);
+    const bool mobile = part == Part::mobile, loaded = mobile && loadsMobilePart(open_, model_);
     TurningWrench wrench;
     wrench.forces.resize(3 * (connections + (loaded ? 1 : 0)), open_.sampleCount());
     wrench.forces.topRows(3 * connections) = forces_;
     if (loaded) wrench.forces.bottomRows(3) = -calcLoad(open_, model_);
     Eigen::VectorXd stiffness(3 * connections);
     for (Eigen::Index row = 0; row < stiffness.size(); ++row) stiffness[row] = axis_tangents_[row].meanStiffness();
-    wrench.outputs = [&model = model_, stiffness, connections, loaded](const TurningInstant& at) {
+    wrench.outputs = [&model = model_, stiffness, connections, mobile, loaded](const TurningInstant& at) {
         Eigen::VectorXd result = Eigen::VectorXd::Zero(12);
-        result.head<6>() = calcDemand(model.body, model.gravity, at.R, at.w, at.a, at.alpha);
+        if (mobile) result.head<6>() = calcDemand(model.body, model.gravity, at.R, at.w, at.a, at.alpha);
         const auto add = [&](const Eigen::Vector3d& force, const Eigen::Vector3d& arm) {
             result.segment<3>(6) += force;
             result.tail<3>() += arm.cross(force);
         };
+        // q of a connection; without the error's motion the forces have it.
+        const auto relate = [&](const Eigen::Vector3d& r, const Eigen::Matrix3d& own_R, const Eigen::Vector3d& p) {
+            const Eigen::Vector3d p_FM = mobile ? Eigen::Vector3d(p - at.other_p) : Eigen::Vector3d(at.other_p - p);
+            const Eigen::Matrix3d &R_M = mobile ? own_R : at.other_R, &R_F = mobile ? at.other_R : own_R;
+            return Eigen::Vector3d(R_F.transpose() * (p_FM + R_M * r) - r);
+        };
         for (Eigen::Index c = 0; c < connections; ++c) {
             const Eigen::Vector3d& r = model.connections[c].position;
-            const Eigen::Vector3d arm = at.R * r;
-            add(at.forces.segment<3>(3 * c) + stiffness.segment<3>(3 * c).cwiseProduct(at.p + arm - r), arm);
+            const Eigen::Vector3d moved = relate(r, at.R, at.p) - relate(r, at.unmoved_R, Eigen::Vector3d::Zero());
+            const Eigen::Vector3d f = at.forces.segment<3>(3 * c) + stiffness.segment<3>(3 * c).cwiseProduct(moved);
+            add((mobile ? at.other_R : at.R) * f, (mobile ? at.R : at.other_R) * r);
         }
         if (loaded) add(at.forces.tail<3>(), at.R * model.load_point->position);
         return result;

@@ -81,7 +81,7 @@ public:
     Eigen::MatrixXcd calcMotionColumn(const SensorEffect& effect) const;
 
     /// Needs prepareColumns().
-    TurningWrench makeTurningWrench() const;
+    TurningWrench makeTurningWrench(Part part) const;
 
     bool inContact() const { return in_contact_; }
     const MotionNoise& motionNoise() const { return motion_noise_; }

@@ -13,8 +13,9 @@ namespace {
 // fourth order are a millionth of the second.
 constexpr double kStep = 1e-3;
 
-/// What an output can be a product of, beside forces: rotation, angular velocity and acceleration, acceleration.
-enum Turning { rotation, velocity, acceleration, push, kTurnings };
+/// What an output can be a product of, beside forces: rotation, angular velocity and acceleration, acceleration, and
+/// the other part's rotation and displacement.
+enum Turning { rotation, velocity, acceleration, push, other_rotation, other_place, kTurnings };
 
 /// An output has no more time derivatives than an acceleration, and a force none.
 struct Kind {
@@ -26,8 +27,8 @@ std::vector<Kind> listKinds(Eigen::Index forces) {
     constexpr struct {
         Turning turning;
         int derivative;
-    } kPairs[] = {{rotation, 0}, {rotation, 1},     {rotation, 2}, {velocity, 0},
-                  {velocity, 1}, {acceleration, 0}, {push, 0}};
+    } kPairs[] = {{rotation, 0},     {rotation, 1}, {rotation, 2},       {velocity, 0},   {velocity, 1},
+                  {acceleration, 0}, {push, 0},     {other_rotation, 0}, {other_place, 0}};
     std::vector<Kind> kinds;
     for (const auto& pair : kPairs)
         for (Eigen::Index axis = 0; axis < 3; ++axis) kinds.push_back({3 * pair.turning + axis, pair.derivative});
@@ -44,11 +45,14 @@ TurningInstant makeInstant(Eigen::Index forces, const Kind& kind, double value, 
     const Eigen::Vector3d turn = q[0].tail<3>(), rate = q[1].tail<3>(), w = x.segment<3>(3 * velocity),
                           alpha = x.segment<3>(3 * acceleration);
     TurningInstant at;
-    at.R = rotationFromVector(turn) * rotationFromVector(x.segment<3>(3 * rotation));
+    at.unmoved_R = rotationFromVector(x.segment<3>(3 * rotation));
+    at.R = rotationFromVector(turn) * at.unmoved_R;
     at.p = q[0].head<3>();
     at.w = w + rate + turn.cross(w);
     at.a = x.segment<3>(3 * push) + q[2].head<3>();
     at.alpha = alpha + q[2].tail<3>() + rate.cross(w) + turn.cross(alpha);
+    at.other_R = rotationFromVector(x.segment<3>(3 * other_rotation));
+    at.other_p = x.segment<3>(3 * other_place);
     at.forces = x.tail(forces);
     return at;
 }
@@ -69,11 +73,11 @@ Eigen::MatrixXd differentiate(const TurningOutputs& outputs, Eigen::Index forces
 
 }  // namespace
 
-SecondOrder::SecondOrder(const SmoothPart& part, const Eigen::MatrixXd& forces, const Signals& signals,
-                         const EquationSpectra& spectra, const TurningOutputs& outputs) {
+SecondOrder::SecondOrder(const SmoothPart& part, const SmoothPart& other, const Eigen::MatrixXd& forces,
+                         const Signals& signals, const EquationSpectra& spectra, const TurningOutputs& outputs) {
     const Eigen::Index samples = part.p.cols(), bins = spectra.binCount();
     Eigen::MatrixXd coordinates(3 * kTurnings + forces.rows(), samples);  // as Kind counts them
-    coordinates << part.theta, part.w, part.alpha, part.a, forces;
+    coordinates << part.theta, part.w, part.alpha, part.a, other.theta, other.p - part.p, forces;
     std::vector<Eigen::MatrixXd> products;
     for (const Kind& kind : listKinds(forces.rows())) {
         double largest = 0;

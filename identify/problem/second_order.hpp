@@ -25,14 +25,17 @@ namespace wems::identify {
 /// One instant of a part's motion, and of forces that act on it.
 struct TurningInstant {
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+    Eigen::Matrix3d unmoved_R = Eigen::Matrix3d::Identity();  ///< R before the error moves it, by p among others
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
     Eigen::Vector3d w = Eigen::Vector3d::Zero(), a = Eigen::Vector3d::Zero(), alpha = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d other_R = Eigen::Matrix3d::Identity();  ///< of the other part
+    Eigen::Vector3d other_p = Eigen::Vector3d::Zero();      ///< of the other part, from this one unmoved
     Eigen::VectorXd forces;
 };
 using TurningOutputs = std::function<Eigen::VectorXd(const TurningInstant&)>;
 
-/// Of the mobile part: what its motion demands above what the laws give (12, mount_equation.hpp), with the forces that
-/// turn with it (rows x samples).
+/// What a part's motion makes of what the mobile part demands above what the laws give (12, mount_equation.hpp), with
+/// the forces that turn with it (rows x samples).
 struct TurningWrench {
     TurningOutputs outputs;
     Eigen::MatrixXd forces;
@@ -43,8 +46,8 @@ public:
     /// Six signals with their first two derivatives, each 3 x samples.
     using Signals = std::array<Eigen::Matrix3Xd, 6>;
 
-    /// @param forces rows x samples
-    SecondOrder(const SmoothPart& part, const Eigen::MatrixXd& forces, const Signals& signals,
+    /// @param other part, whose motion the outputs meet too; @param forces rows x samples
+    SecondOrder(const SmoothPart& part, const SmoothPart& other, const Eigen::MatrixXd& forces, const Signals& signals,
                 const EquationSpectra& spectra, const TurningOutputs& outputs);
 
     /// Of a motion whose six coordinates (translation above rotation, m and rad) are C times the signals: outputs x

@@ -202,7 +202,7 @@ SensorEffect SensorColumns::calcEffect(std::size_t row, bool with_series) const 
             effect.correction.col(b) -= calcWeight(group, spectra_.angular(b)) * fused.col(b);
         first += group.design.rows();
     }
-    if (effect.part == Part::mobile) effect.wrench = second.bottomRows(12);
+    effect.wrench = second.bottomRows(12);
     return effect;
 }
 
@@ -226,16 +226,15 @@ SecondOrder::Signals SensorColumns::calcSignals(const Group& group, UnknownKind 
     return signals;
 }
 
-TurningOutputs SensorColumns::makeOutputs(const std::vector<std::size_t>& groups, const TurningWrench* wrench) const {
-    return [this, groups, wrench](const TurningInstant& at) {
+TurningOutputs SensorColumns::makeOutputs(const std::vector<std::size_t>& groups, const TurningWrench& wrench) const {
+    return [this, groups, &wrench](const TurningInstant& at) {
         std::vector<double> values;
         for (const std::size_t g : groups)
             for (const int channel : groups_[g].channels)
                 values.push_back(calcChannelMotion(layout_.channels[channel], groups_[g].derivative, at.R, at.p, at.w,
                                                    at.a, at.alpha));
         Eigen::VectorXd all = Eigen::Map<Eigen::VectorXd>(values.data(), values.size());
-        if (wrench == nullptr) return all;
-        const Eigen::VectorXd own = wrench->outputs(at);
+        const Eigen::VectorXd own = wrench.outputs(at);
         all.conservativeResize(all.size() + own.size());
         all.tail(own.size()) = own;
         return all;
@@ -249,15 +248,15 @@ Matrix6 SensorColumns::calcMotionChange(std::size_t row, std::size_t group) cons
     return C;
 }
 
-void SensorColumns::addSecondOrder(const TurningWrench& wrench) {
+void SensorColumns::addSecondOrder(const std::array<TurningWrench, 2>& wrenches) {
     // One for each transfer: a turn and a place change a channel by what it reads, as a gain does.
     constexpr UnknownKind kKinds[] = {UnknownKind::channel_gain, UnknownKind::channel_delay, UnknownKind::corner};
     second_.assign(table_.size(), {});
     for (const Part part : {Part::mobile, Part::fixed}) {
         const bool mobile = part == Part::mobile;
         const std::vector<std::size_t> groups = findGroups(part);
-        const TurningOutputs outputs = makeOutputs(groups, mobile ? &wrench : nullptr);
-        const Eigen::MatrixXd forces = mobile ? wrench.forces : Eigen::MatrixXd(0, run_.sampleCount());
+        const TurningWrench& wrench = wrenches.at(mobile ? 0 : 1);
+        const TurningOutputs outputs = makeOutputs(groups, wrench);
         for (const std::size_t g : groups)
             for (const UnknownKind like : kKinds) {
                 std::optional<SecondOrder> order;
@@ -267,8 +266,8 @@ void SensorColumns::addSecondOrder(const TurningWrench& wrench) {
                     const Matrix6 C = calcMotionChange(i, g);
                     if (C.isZero(0.0)) continue;
                     if (!order)
-                        order.emplace(mobile ? run_.mobile : run_.fixed, forces, calcSignals(groups_[g], like),
-                                      spectra_, outputs);
+                        order.emplace(mobile ? run_.mobile : run_.fixed, mobile ? run_.fixed : run_.mobile,
+                                      wrench.forces, calcSignals(groups_[g], like), spectra_, outputs);
                     const Eigen::MatrixXcf own = order->calc(C).cast<std::complex<float>>();
                     if (second_[i].size() == 0)
                         second_[i] = own;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <map>
 #include <memory>
 #include <utility>
@@ -49,8 +50,8 @@ public:
                   const std::vector<char>& wanted);
 
     /// Forms what the errors do beyond first order: before calcEffect and calcInformation.
-    /// @param wrench of the mobile part
-    void addSecondOrder(const TurningWrench& wrench);
+    /// @param wrenches by the mobile and by the fixed part's motion
+    void addSecondOrder(const std::array<TurningWrench, 2>& wrenches);
 
     SensorEffect calcEffect(std::size_t row, bool with_series) const;
 
@@ -91,7 +92,7 @@ private:
     /// By which errors of a kind in a group move the part, for each coordinate of its motion.
     SecondOrder::Signals calcSignals(const Group& group, UnknownKind kind) const;
     /// Of a part's channels, those of all its groups below each other, then the wrench of the mobile part.
-    TurningOutputs makeOutputs(const std::vector<std::size_t>& groups, const TurningWrench* wrench) const;
+    TurningOutputs makeOutputs(const std::vector<std::size_t>& groups, const TurningWrench& wrench) const;
     std::vector<std::size_t> findGroups(Part part) const;
     /// By how the channels' errors move the part.
     Matrix6 calcMotionChange(std::size_t row, std::size_t group) const;
