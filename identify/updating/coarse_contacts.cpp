@@ -110,8 +110,8 @@ std::optional<FitResult> refineCoarseContacts(const FitResult& fit, const std::v
     Eigen::VectorXd scale(count);
     for (Eigen::Index j = 0; j < count; ++j) scale[j] = calcScale(believed, parameters[static_cast<std::size_t>(j)]);
     const Eigen::MatrixXd covariance = calcScaledCovariance(
-        problem, makeEvidence(problem, state.view, state.scales, true).calcPosterior(state.set).covariance, parameters,
-        scale);
+        problem, makeEvidence(problem, state.view, state.set, state.scales, true).calcPosterior(state.set).covariance,
+        parameters, scale);
     if (covariance.rows() != count || !covariance.allFinite()) return std::nullopt;
     const auto calcError = [&](const Eigen::VectorXd& combination) {
         return std::sqrt(std::max(0.0, combination.dot(covariance * combination)));

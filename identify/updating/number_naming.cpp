@@ -31,7 +31,7 @@ private:
 
     /// The number that the evidence would rather have free than any other; −1 if there is none.
     int findLikeliest() const {
-        const Evidence evidence = makeEvidence(problem_, state_.view, state_.scales, true);
+        const Evidence evidence = makeEvidence(problem_, state_.view, state_.set, state_.scales, true);
         const Posterior posterior = evidence.calcPosterior(state_.set);
         const std::vector<double> extended = evidence.calcExtensions(state_.set);
         double most = evidence.calcLogEvidence(state_.set);
@@ -53,7 +53,7 @@ private:
         next.set.insert(std::lower_bound(next.set.begin(), next.set.end(), hypothesis), hypothesis);
         settler_.settle(next, kMostRefining, true);
         const FreeError judged = judge_(next.point, next.set);
-        const Evidence evidence = makeEvidence(problem_, next.view, next.scales, true);
+        const Evidence evidence = makeEvidence(problem_, next.view, next.set, next.scales, true);
         // No cause explains by a prediction that is worse with it, unless both are as good as asked for.
         const FreeError& before = standing_.judged;
         if (isSensorFault(at(hypothesis)) ? judged.error > (1 + kWorth) * before.error : isSpoilt(before, judged))
@@ -96,7 +96,8 @@ private:
         for (std::size_t k = 0; k < kBlocks; ++k)
             if (misfits[k] >= kSatisfied) satisfied[k] = {};
         if (std::all_of(satisfied.begin(), satisfied.end(), [](const auto& own) { return own.empty(); })) return false;
-        const Posterior alone = SetEvidence(problem_, satisfied, settler_.scalesOf(misfits), next.set).calcPosterior();
+        const Posterior alone =
+            SetEvidence(problem_, satisfied, settler_.scalesOf(misfits), next.set, with).calcPosterior();
         return calcBeyondProbability(problem_, at(hypothesis), problem_.pointAt(alone.mean, next.set), alone) >= kSure;
     }
 

@@ -158,7 +158,7 @@ std::optional<OtherForm> offerCurve(const TestProblem& problem, const Settler& s
     if (curves.empty() || !(stiffness > 0)) return std::nullopt;  // an axis that stands still, or has no elastomer
     const auto count = static_cast<Eigen::Index>(curves.size());
     const Information all = sumOf(problem.view(state.point, state.set, curves), true);
-    const Eigen::VectorXd deviations = extend(problem.deviations(), count, 0);
+    const Eigen::VectorXd deviations = extend(problem.deviations(state.set, problem.estimateOf(state.point)), count, 0);
     const Eigen::VectorXd reaches = extend(problem.reaches(), count, stiffness);
 
     // The set, and one statement more: slopes that differ from the law's by as much as the elastomer's stiffness.

@@ -52,11 +52,11 @@ public:
         dropOtherForm();
         result_.fitted = state_.point;
         // What the model leaves beyond the noise is no excuse for its prediction: scales of a perfect model.
-        result_.fitted_noise = makeEvidence(problem_, state_.view, {}, true).calcPosterior(state_.set);
+        result_.fitted_noise = makeEvidence(problem_, state_.view, state_.set, {}, true).calcPosterior(state_.set);
         // What is predicted for the validation runs rests on the identification runs alone.
         settler_.settle(state_, kMostRefining, false);
         result_.posterior = calcPosterior();
-        result_.noise = makeEvidence(problem_, state_.view, {}, false).calcPosterior(state_.set);
+        result_.noise = makeEvidence(problem_, state_.view, state_.set, {}, false).calcPosterior(state_.set);
         if (state_.set.empty()) result_.adjusted = state_.point;
         result_.ranked = std::move(standing_.ranked);
         result_.settled = std::move(standing_.settled);
@@ -69,11 +69,13 @@ private:
     /// they were exact is not known.
     Posterior calcPosterior() {
         const Numbers assumed = problem_.numbers();
-        Posterior posterior = makeEvidence(problem_, state_.view, state_.scales, false).calcPosterior(state_.set);
+        Posterior posterior =
+            makeEvidence(problem_, state_.view, state_.set, state_.scales, false).calcPosterior(state_.set);
         if (assumed == Numbers::within_tolerances || state_.set.empty()) return posterior;
         problem_.assume(Numbers::within_tolerances);
         const TestView view = problem_.view(state_.point, state_.set);
-        posterior.covariance = makeEvidence(problem_, view, state_.scales, false).calcPosterior(state_.set).covariance;
+        posterior.covariance =
+            makeEvidence(problem_, view, state_.set, state_.scales, false).calcPosterior(state_.set).covariance;
         problem_.assume(assumed);
         return posterior;
     }
@@ -82,7 +84,7 @@ private:
         if (progress_) progress_({text});
     }
     const Hypothesis& at(int hypothesis) const { return problem_.hypotheses()[hypothesis]; }
-    Evidence ownEvidence() const { return makeEvidence(problem_, state_.view, state_.scales, true); }
+    Evidence ownEvidence() const { return makeEvidence(problem_, state_.view, state_.set, state_.scales, true); }
 
     /// One cause more, one less, or one for another, as the evidence says and the prediction bears out.
     /// @return false when nothing changes any more

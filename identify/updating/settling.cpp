@@ -74,7 +74,7 @@ std::vector<double> calcMeanSquares(const Information& actual) {
 
 /// C⁻¹ ε on the columns that a set moves, C their prior covariance: the slope of −log prior there.
 Eigen::VectorXd calcPriorSlope(const TestProblem& problem, const Eigen::VectorXd& estimate, const HypothesisSet& set) {
-    const Eigen::VectorXd deviation = problem.deviations();
+    const Eigen::VectorXd deviation = problem.deviations(set, estimate);
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(deviation.size());
     std::vector<char> member(deviation.size(), 0);
     std::vector<Eigen::Index> freed;
@@ -106,10 +106,10 @@ bool isSatisfied(const std::vector<double>& misfits) {
     return std::all_of(misfits.begin(), misfits.end(), [](double misfit) { return misfit < kSatisfied; });
 }
 
-Evidence makeEvidence(const TestProblem& problem, const TestView& view, const BlockScales& scales,
-                      bool with_validation) {
-    return {combine(sumOf(view, with_validation), scales, problem.reaches()), problem.deviations(),
-            problem.hypotheses()};
+Evidence makeEvidence(const TestProblem& problem, const TestView& view, const HypothesisSet& set,
+                      const BlockScales& scales, bool with_validation) {
+    return {combine(sumOf(view, with_validation), scales, problem.reaches()),
+            problem.deviations(set, problem.estimateOf(view.at)), problem.hypotheses()};
 }
 
 Information sumOf(const TestInformation& runs, bool with_validation) {
@@ -151,9 +151,9 @@ bool isNoiseAlone(const Information& all, const std::vector<double>& misfits) {
 }
 
 SetEvidence::SetEvidence(const TestProblem& problem, const Information& all, const BlockScales& scales,
-                         const HypothesisSet& set, Growth growth)
+                         const HypothesisSet& set, const Eigen::VectorXd& estimate, Growth growth)
     : members_(collect(problem, set)),
-      evidence_(combine(all, scales, problem.reaches(), growth), problem.deviations(), members_) {
+      evidence_(combine(all, scales, problem.reaches(), growth), problem.deviations(set, estimate), members_) {
     for (std::size_t i = 0; i < members_.size(); ++i) all_.push_back(static_cast<int>(i));
 }
 
@@ -191,9 +191,10 @@ BlockScales Settler::settleScales(const Information& all,
     return scales;
 }
 
-BlockScales Settler::settleScales(const Information& all, const HypothesisSet& set) const {
+BlockScales Settler::settleScales(const Information& all, const HypothesisSet& set,
+                                  const Eigen::VectorXd& estimate) const {
     return settleScales(all, [&](const BlockScales& scales) {
-        return SetEvidence(problem_, all, scales, set, Growth::followed).solve();
+        return SetEvidence(problem_, all, scales, set, estimate, Growth::followed).solve();
     });
 }
 
@@ -272,8 +273,8 @@ Settler::Settling Settler::settle(SetState& state, int most, bool with_validatio
 Settler::Step Settler::advance(const Information& all, const HypothesisSet& set, const BlockScales& scales,
                                double least, bool with_validation, double first_damping, std::vector<TriedStep>& tried,
                                TestPoint& point, PointEquations& equations) const {
-    const SetEvidence evidence(problem_, all, scales, set, Growth::followed);
     const Eigen::VectorXd present = problem_.estimateOf(point), slope = calcPriorSlope(problem_, present, set);
+    const SetEvidence evidence(problem_, all, scales, set, present, Growth::followed);
     const Eigen::VectorXd target =
         keepInRange(problem_, first_damping > 0 ? evidence.solveNear(slope, first_damping) : evidence.solve().mean);
     const auto objective = [&](const Eigen::VectorXd& at) {
@@ -347,7 +348,8 @@ Settler::Step Settler::improve(SetState& state, bool with_validation, double dam
     };
     std::vector<TriedStep> others;
     Step step = advanced(scalesOf(misfits), tried);
-    if (step == Step::none && damping == 0) step = advanced(settleScales(all, state.set), others);
+    if (step == Step::none && damping == 0)
+        step = advanced(settleScales(all, state.set, problem_.estimateOf(state.point)), others);
     if (step == Step::contrary) {
         for (BlockInformation& block : all) block.scatter.resize(0, 0);
         others.clear();
@@ -375,7 +377,7 @@ double Settler::calcCostAt(const TestPoint& point) const {
 double Settler::calcLogEvidence(const SetState& state) const {
     const Information all = sumOf(state.view, true);
     const Eigen::VectorXd estimate = problem_.estimateOf(state.point);
-    return SetEvidence(problem_, all, state.scales, state.set).solve().occam -
+    return SetEvidence(problem_, all, state.scales, state.set, estimate).solve().occam -
            0.5 * (calcCost(all, calcMisfits(all, estimate)) + calcPriorSquare(estimate, state.set));
 }
 

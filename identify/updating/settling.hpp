@@ -30,8 +30,9 @@ struct SetState {
 /// The evidence of one set alone: its members, and nothing else to weigh.
 class SetEvidence {
 public:
+    /// @param estimate about which tolerances are what they are (TestProblem::deviations)
     SetEvidence(const TestProblem& problem, const Information& all, const BlockScales& scales, const HypothesisSet& set,
-                Growth growth = Growth::doubted);
+                const Eigen::VectorXd& estimate, Growth growth = Growth::doubted);
     SetEvidence(const SetEvidence&) = delete;
     SetEvidence& operator=(const SetEvidence&) = delete;
     SetSolution solve() const { return evidence_.solve(all_); }
@@ -47,9 +48,9 @@ private:
     Evidence evidence_;
 };
 
-/// Evidence of all runs, or of the identification runs alone, at a view.
-Evidence makeEvidence(const TestProblem& problem, const TestView& view, const BlockScales& scales,
-                      bool with_validation);
+/// Evidence of all runs, or of the identification runs alone, at a view. @param set whose tolerances count there
+Evidence makeEvidence(const TestProblem& problem, const TestView& view, const HypothesisSet& set,
+                      const BlockScales& scales, bool with_validation);
 
 /// Runs of a view together: the identification runs, or all.
 Information sumOf(const TestInformation& runs, bool with_validation);
@@ -143,7 +144,7 @@ private:
     double calcExcess(const Information& quadratic, const Eigen::VectorXd& step, const Information& actual,
                       const Eigen::VectorXd& estimate, const BlockScales& scales, Growth growth) const;
     BlockScales settleScales(const Information& all, const std::function<SetSolution(const BlockScales&)>& solve) const;
-    BlockScales settleScales(const Information& all, const HypothesisSet& set) const;
+    BlockScales settleScales(const Information& all, const HypothesisSet& set, const Eigen::VectorXd& estimate) const;
     /// @param[in,out] tried from this state with the present discrepancy
     Step improve(SetState& state, bool with_validation, double damping, std::vector<TriedStep>& tried) const;
     /// @param[in,out] tried from this point with these scales

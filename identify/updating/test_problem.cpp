@@ -9,6 +9,7 @@
 #include "identify/motion/parallel.hpp"
 #include "identify/problem/lineariser.hpp"
 #include "identify/problem/open_loop_run.hpp"
+#include "identify/updating/common_factor.hpp"
 #include "identify/updating/missing_mode.hpp"
 #include "identify/verdict/free_error.hpp"
 #include "models/common/error.hpp"
@@ -88,6 +89,16 @@ double TestProblem::deviationOf(const Unknown& row) const {
 Eigen::VectorXd TestProblem::deviations() const {
     Eigen::VectorXd result = Eigen::VectorXd::Zero(catalogue_.columns.size());
     for (std::size_t i = 0; i < table_.size(); ++i) result[i] = deviationOf(table_[i]);
+    return result;
+}
+
+Eigen::VectorXd TestProblem::deviations(const HypothesisSet& set, const Eigen::VectorXd& estimate) const {
+    Eigen::VectorXd result = deviations();
+    for (const int h : set)
+        for (const Direction& direction : catalogue_.hypotheses[h].directions) {
+            const double factor = calcCommonFactor(table_, direction, estimate);
+            for (const auto& [column, weight] : direction) result[column] *= factor;
+        }
     return result;
 }
 

@@ -66,6 +66,8 @@ public:
     std::size_t identificationCount() const { return identification_count_; }
     /// Prior standard deviation of each column.
     Eigen::VectorXd deviations() const;
+    /// The same under a set: what its members move by one factor has its tolerance about what that makes of it.
+    Eigen::VectorXd deviations(const HypothesisSet& set, const Eigen::VectorXd& estimate) const;
     /// The same where a column is free.
     Eigen::VectorXd reaches() const;
 

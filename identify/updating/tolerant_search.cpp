@@ -281,8 +281,9 @@ const char* TolerantSearch::findRefusal(const Attempt& attempt, const Standing& 
 /// Whether noise and what its numbers leave open make as much of an attempt's prediction.
 bool TolerantSearch::isWithinBand(const Attempt& attempt) const {
     const SetState& state = attempt.state;
-    return band_ && attempt.judged.error <=
-                        band_(state, makeEvidence(problem_, state.view, state.scales, true).calcPosterior(state.set));
+    return band_ &&
+           attempt.judged.error <=
+               band_(state, makeEvidence(problem_, state.view, state.set, state.scales, true).calcPosterior(state.set));
 }
 
 /// Whether equations that leave more than noise leave half of what exceeds it with a set.

@@ -173,7 +173,8 @@ private:
             }
             cause.probability =
                 std::min(0.999, selection_.probabilityOf(selection_.state.set[i]) + addRivals(i, cause));
-            const Evidence own = makeEvidence(problem_, selection_.state.view, selection_.state.scales, false);
+            const Evidence own =
+                makeEvidence(problem_, selection_.state.view, selection_.state.set, selection_.state.scales, false);
             const TestPoint held = holdBack(problem_, selection_.state, selection_.state.set[i], own);
             const double error = judge_.judging().calcError(held, selection_.state.set).error;
             cause.gain_db = std::isfinite(error) ? toDecibel(error / result_.error_after.validation) : kLargestDecibels;
@@ -226,8 +227,8 @@ private:
     /// With the columns of all hypotheses: the state's own view may have those of its set alone.
     const Evidence& fullEvidence() const {
         if (!full_evidence_)
-            full_evidence_.emplace(
-                makeEvidence(problem_, problem_.view(selection_.state.point), selection_.state.scales, false));
+            full_evidence_.emplace(makeEvidence(problem_, problem_.view(selection_.state.point), selection_.state.set,
+                                                selection_.state.scales, false));
         return *full_evidence_;
     }
 

@@ -89,6 +89,35 @@ TEST_CASE("Two clearances are a cause where each is beyond its tolerance, one fa
     CHECK(factors > 0);
 }
 
+TEST_CASE("Numbers that one factor moves have their tolerances of what it makes of them", "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    TestProblem problem = makeProblem(random);
+    problem.assume(Numbers::within_tolerances);
+    const Eigen::VectorXd plain = problem.deviations();
+    CHECK(problem.deviations({}, Eigen::VectorXd::Ones(plain.size())) == plain);
+    const double factor = std::uniform_real_distribution<double>(0.2, 5)(random);
+    CAPTURE(factor);
+    int factors = 0;
+    for (int h = 0; h < static_cast<int>(problem.hypotheses().size()); ++h) {
+        const Hypothesis& hypothesis = problem.hypotheses()[h];
+        CAPTURE(describe(hypothesis));
+        const bool common = hypothesis.directions.size() == 1 && hypothesis.directions.front().size() > 1;
+        Eigen::VectorXd moved = Eigen::VectorXd::Zero(plain.size()), expected = plain;
+        for (const int row : hypothesis.reported) {
+            const double believed = problem.table()[row].believed;
+            moved[row] = (factor - 1) * believed;
+            if (common && believed != 0) expected[row] *= factor;
+        }
+        factors += expected != plain;
+        // What one of them is besides is its own.
+        if (common && hypothesis.reported.size() > 2) moved[hypothesis.reported.back()] *= 7;
+        CHECK(((problem.deviations({h}, moved) - expected).array().abs() <= 1e-12 * expected.array()).all());
+    }
+    CHECK(factors > 10);
+}
+
 TEST_CASE("A missing mode is sought once, and is one statement beside those of the modes that are there",
           "[updating]") {
     const unsigned seed = test::drawSeed();

@@ -76,7 +76,7 @@ private:
         CHECK(own == most);
     }
     Evidence makeOwnEvidence() const {
-        return makeEvidence(problem_, standing_.state.view, standing_.state.scales, true);
+        return makeEvidence(problem_, standing_.state.view, standing_.state.set, standing_.state.scales, true);
     }
     std::vector<RankedSet> listCandidates() const { return makeOwnEvidence().search({HypothesisSet{}}, 6, 1); }
     SettledSearch makeSearch() { return {problem_, settler_, judge_}; }

@@ -36,7 +36,7 @@ public:
     /// @return whether the set changed
     bool take(const BandJudge& band = {}) {
         const SetState& state = standing_.state;
-        const Evidence evidence = makeEvidence(problem_, state.view, state.scales, true);
+        const Evidence evidence = makeEvidence(problem_, state.view, state.set, state.scales, true);
         TolerantSearch search(problem_, settler_, judge_, band, silent_);
         return search.takeBest(evidence, evidence.search({state.set}, 6, state.set.size() + 1), standing_, decision_);
     }
@@ -45,7 +45,8 @@ public:
     bool takeFewer() {
         TolerantSearch search(problem_, settler_, judge_, {}, silent_);
         const SetState& state = standing_.state;
-        return search.takeFewer(makeEvidence(problem_, state.view, state.scales, true), standing_, decision_);
+        return search.takeFewer(makeEvidence(problem_, state.view, state.set, state.scales, true), standing_,
+                                decision_);
     }
 
     int find(const std::string& cause) const {
