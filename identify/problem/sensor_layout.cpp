@@ -23,6 +23,14 @@ int indexOf(std::vector<T>& list, const std::string& wanted, Name name, const T&
     return static_cast<int>(list.size()) - 1;
 }
 
+/// Where a sensor sits that has no place of its own; -1: at none.
+int findConnection(const MountModel& model, const MarkerChannel& marker) {
+    for (std::size_t c = 0; c < model.connections.size(); ++c)
+        if (model.connections[c].name == marker.station && model.connections[c].position == marker.position)
+            return static_cast<int>(c);
+    return -1;
+}
+
 /// A table that nothing but base.* shows: its accelerations are those of the fixed part's origin.
 void addBase(const std::vector<Recording>& recordings, SensorLayout& layout) {
     for (const SensorGroup& group : layout.groups)
@@ -130,6 +138,7 @@ SensorLayout makeSensorLayout(const std::vector<Recording>& recordings, const Mo
                     channel.name = marker.name;
                     channel.group = group_index;
                     channel.position = marker.position;
+                    channel.connection = findConnection(model, marker);
                     channel.direction = marker.direction;
                     channel.turning = marker.turning;
                     if (part == Part::mobile) channel.freedom = calcFreedom(model.body);

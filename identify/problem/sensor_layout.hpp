@@ -35,6 +35,7 @@ struct SensorChannel {
     int station = 0;                                                            ///< index into SensorLayout::stations
     Eigen::Vector3d position = Eigen::Vector3d::Zero();                         ///< m, in its part's frame
     Eigen::Vector3d direction = Eigen::Vector3d::UnitX();                       ///< at rest
+    int connection = -1;                                                        ///< where it sits; -1: at none
     bool turning = false;                                                       ///< the direction turns with the part
     Eigen::Matrix<double, 6, 1> freedom = Eigen::Matrix<double, 6, 1>::Ones();  ///< of its part (calcFreedom)
 };

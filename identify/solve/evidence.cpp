@@ -2,11 +2,13 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace wems::identify {
 
@@ -18,36 +20,35 @@ double logDeterminant(const Eigen::LLT<Eigen::MatrixXd>& factor) {
 
 }  // namespace
 
-Evidence::Evidence(const BlockInformation& information, const Eigen::VectorXd& deviation,
-                   const std::vector<Hypothesis>& hypotheses)
-    : information_(information), hypotheses_(&hypotheses), deviation_(deviation) {
+std::vector<Direction> makeTolerances(const Eigen::VectorXd& deviation) {
+    std::vector<Direction> tolerances;
     for (Eigen::Index i = 0; i < deviation.size(); ++i)
-        if (deviation[i] > 0) active_.push_back(i);
-    Eigen::Index count = 0;
-    for (const auto& hypothesis : hypotheses) {
-        first_.push_back(count);
-        count += static_cast<Eigen::Index>(hypothesis.directions.size());
+        if (deviation[i] > 0) tolerances.push_back({{static_cast<int>(i), deviation[i]}});
+    return tolerances;
+}
+
+Evidence::Evidence(const BlockInformation& information, const std::vector<Direction>& tolerances,
+                   const std::vector<Hypothesis>& hypotheses)
+    : information_(information), hypotheses_(&hypotheses), tolerances_(tolerances.size()) {
+    std::vector<const Direction*> all;
+    for (const Direction& tolerance : tolerances) all.push_back(&tolerance);
+    for (const Hypothesis& hypothesis : hypotheses) {
+        first_.push_back(all.size());
+        for (const Direction& direction : hypothesis.directions) all.push_back(&direction);
     }
-    first_.push_back(count);
-    directions_ = Eigen::MatrixXd::Zero(deviation.size(), count);
-    for (std::size_t h = 0; h < hypotheses.size(); ++h)
-        for (std::size_t d = 0; d < hypotheses[h].directions.size(); ++d)
-            for (const auto& [column, weight] : hypotheses[h].directions[d])
-                directions_(column, first_[h] + static_cast<Eigen::Index>(d)) += weight;
-    const Eigen::Index active = active_.size();
-    Eigen::MatrixXd V = Eigen::MatrixXd::Zero(deviation.size(), active + count);
-    for (Eigen::Index i = 0; i < active; ++i) V(active_[i], i) = deviation[active_[i]];
-    V.rightCols(count) = directions_;
-    gram_ = V.transpose() * (information.A * V);
-    right_ = -V.transpose() * information.b;
+    first_.push_back(all.size());
+    directions_ = Eigen::MatrixXd::Zero(information.b.size(), all.size());
+    for (std::size_t d = 0; d < all.size(); ++d)
+        for (const auto& [column, weight] : *all[d]) directions_(column, d) += weight;
+    gram_ = directions_.transpose() * (information.A * directions_);
+    right_ = -directions_.transpose() * information.b;
 }
 
 std::vector<Eigen::Index> Evidence::findRows(const HypothesisSet& set) const {
     std::vector<Eigen::Index> rows;
-    const Eigen::Index active = active_.size();
-    for (Eigen::Index i = 0; i < active; ++i) rows.push_back(i);
+    for (Eigen::Index i = 0; i < tolerances_; ++i) rows.push_back(i);
     for (const int h : set)
-        for (Eigen::Index d = first_[h]; d < first_[static_cast<std::size_t>(h) + 1]; ++d) rows.push_back(active + d);
+        for (Eigen::Index d = first_[h]; d < first_[static_cast<std::size_t>(h) + 1]; ++d) rows.push_back(d);
     return rows;
 }
 
@@ -88,45 +89,20 @@ SetSolution Evidence::solve(const HypothesisSet& set) const {
     H.diagonal().array() += 1;
     const Eigen::LLT<Eigen::MatrixXd> factor(H);
     const Eigen::VectorXd z = factor.solve(right_(rows));
-    return {toColumns(rows, z), z.squaredNorm(), calcOdds(set) - 0.5 * logDeterminant(factor)};
+    return {directions_(Eigen::all, rows) * z, z.squaredNorm(), calcOdds(set) - 0.5 * logDeterminant(factor)};
 }
 
 Eigen::VectorXd Evidence::solveNear(const HypothesisSet& set, const Eigen::VectorXd& slope, double damping) const {
     const auto rows = findRows(set);
-    const Eigen::Index active = active_.size();
-    Eigen::VectorXd here(rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        here[i] = rows[i] < active ? deviation_[active_[rows[i]]] * slope[active_[rows[i]]]
-                                   : directions_.col(rows[i] - active).dot(slope);
+    const Eigen::MatrixXd V = directions_(Eigen::all, rows);
     Eigen::MatrixXd H = gram_(rows, rows);
     H.diagonal().array() += 1 + damping;
-    return toColumns(rows, H.llt().solve(right_(rows) + damping * here));
-}
-
-Eigen::VectorXd Evidence::toColumns(const std::vector<Eigen::Index>& rows, const Eigen::VectorXd& z) const {
-    Eigen::VectorXd columns = Eigen::VectorXd::Zero(deviation_.size());
-    const Eigen::Index active = active_.size();
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        const Eigen::Index row = rows[i];
-        if (row < active)
-            columns[active_[row]] += deviation_[active_[row]] * z[i];
-        else
-            columns += directions_.col(row - active) * z[i];
-    }
-    return columns;
+    return V * H.llt().solve(right_(rows) + damping * (V.transpose() * slope));
 }
 
 Posterior Evidence::calcPosterior(const HypothesisSet& set) const {
     const auto rows = findRows(set);
-    const Eigen::Index active = active_.size();
-    Eigen::MatrixXd V = Eigen::MatrixXd::Zero(deviation_.size(), rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        const Eigen::Index row = rows[i];
-        if (row < active)
-            V(active_[row], i) = deviation_[active_[row]];
-        else
-            V.col(i) = directions_.col(row - active);
-    }
+    const Eigen::MatrixXd V = directions_(Eigen::all, rows);
     Eigen::MatrixXd H = gram_(rows, rows);
     H.diagonal().array() += 1;
     const Eigen::LLT<Eigen::MatrixXd> factor(H);
@@ -140,25 +116,25 @@ Posterior Evidence::calcPosterior(const HypothesisSet& set) const {
 
 std::vector<double> Evidence::calcExtensions(const HypothesisSet& set) const {
     const auto rows = findRows(set);
-    const Eigen::Index active = active_.size();
-    const Eigen::Index count = directions_.cols();
+    const Eigen::Index count = directions_.cols() - tolerances_;
     Eigen::MatrixXd H = gram_(rows, rows);
     H.diagonal().array() += 1;
     const Eigen::LLT<Eigen::MatrixXd> factor(H);
     const Eigen::VectorXd g = right_(rows), z = factor.solve(g);
     const double base = 0.5 * g.dot(z) - 0.5 * logDeterminant(factor) + calcOdds(set);
-    const Eigen::MatrixXd cross = gram_(rows, Eigen::seqN(active, count));
+    const Eigen::MatrixXd cross = gram_(rows, Eigen::seqN(tolerances_, count));
     const Eigen::MatrixXd solved = factor.matrixL().solve(cross);
     const Eigen::VectorXd beta = right_.tail(count) - cross.transpose() * z;
     std::vector<double> result(hypotheses_->size(), -std::numeric_limits<double>::infinity());
     for (std::size_t h = 0; h < hypotheses_->size(); ++h) {
         if (!mayJoin(set, static_cast<int>(h))) continue;
         const Eigen::Index first = first_[h], size = first_[h + 1] - first;
-        Eigen::MatrixXd S = gram_.block(active + first, active + first, size, size) -
-                            solved.middleCols(first, size).transpose() * solved.middleCols(first, size);
+        Eigen::MatrixXd S =
+            gram_.block(first, first, size, size) -
+            solved.middleCols(first - tolerances_, size).transpose() * solved.middleCols(first - tolerances_, size);
         S.diagonal().array() += 1;
         const Eigen::LLT<Eigen::MatrixXd> own(S);
-        const Eigen::VectorXd b = beta.segment(first, size);
+        const Eigen::VectorXd b = beta.segment(first - tolerances_, size);
         result[h] = base + 0.5 * b.dot(own.solve(b)) - 0.5 * logDeterminant(own) + (*hypotheses_)[h].log_prior;
     }
     return result;
@@ -234,6 +210,34 @@ Information shiftToBelieved(const Information& about_state, const Eigen::VectorX
     Information shifted;
     for (std::size_t k = 0; k < kBlocks; ++k) shifted[k] = shiftToBelieved(about_state[k], offset);
     return shifted;
+}
+
+Eigen::VectorXd calcPriorSlope(const std::vector<Direction>& directions, const Eigen::VectorXd& estimate) {
+    // Most columns are moved by one direction, which moves nothing else.
+    std::vector<char> linked(estimate.size(), 0), seen(estimate.size(), 0);
+    for (const Direction& direction : directions)
+        for (const auto& [column, weight] : direction)
+            if (std::exchange(seen[column], 1) != 0 || direction.size() > 1) linked[column] = 1;
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(estimate.size());
+    std::vector<Eigen::Index> columns, place(estimate.size(), -1);
+    for (Eigen::Index i = 0; i < estimate.size(); ++i)
+        if (linked[i] != 0) {
+            place[i] = columns.size();
+            columns.push_back(i);
+        }
+    Eigen::MatrixXd C = Eigen::MatrixXd::Zero(columns.size(), columns.size());
+    for (const Direction& direction : directions)
+        for (const auto& [column, weight] : direction) {
+            if (linked[column] == 0) slope[column] = estimate[column] / (weight * weight);
+            for (const auto& [other, own] : direction)
+                if (linked[column] != 0) C(place[column], place[other]) += weight * own;
+        }
+    if (columns.empty()) return slope;
+    const Eigen::VectorXd size = C.diagonal().cwiseSqrt();
+    const Eigen::MatrixXd scaled = size.cwiseInverse().asDiagonal() * C * size.cwiseInverse().asDiagonal();
+    slope(columns) = size.cwiseInverse().cwiseProduct(
+        scaled.completeOrthogonalDecomposition().solve(estimate(columns).cwiseQuotient(size)));
+    return slope;
 }
 
 Eigen::MatrixXd calcCovarianceRoot(const Eigen::MatrixXd& covariance) {

@@ -1,8 +1,9 @@
 /// @file
 /// Which set of hypotheses the recordings speak for, and what the unknowns are then.
 ///
-/// The unknowns are ε = T^½ ζ + Σ_h W_h z_h, ζ and z standard normal: tolerances, and what each hypothesis of a set
-/// adds. With V = [T^½ W], H = VᵀA V + 1 and g = −Vᵀ b of an information about the believed state
+/// The unknowns are ε = T ζ + Σ_h W_h z_h, ζ and z standard normal: tolerances, of which one may move several numbers,
+/// and what each hypothesis of a set adds. With V = [T W], H = VᵀA V + 1 and g = −Vᵀ b of an information about the
+/// believed state
 ///
 ///     log p(data | set) = ½ gᵀ H⁻¹ g − ½ log |H| + const,      ε̂ = V H⁻¹ g,      cov ε = V H⁻¹ Vᵀ
 ///
@@ -42,6 +43,9 @@ struct Hypothesis {
     double log_prior = 0;  ///< log of the prior odds of the statement against its absence
 };
 
+/// Tolerances of columns that have nothing to do with each other. @param deviation prior standard deviations, 0 = known
+std::vector<Direction> makeTolerances(const Eigen::VectorXd& deviation);
+
 /// Indices into the list of hypotheses, ascending.
 using HypothesisSet = std::vector<int>;
 
@@ -67,8 +71,8 @@ struct RankedSet {
 class Evidence {
 public:
     /// @param information about the believed state, one entry for each column
-    /// @param deviation prior standard deviation of each column, 0 = known
-    Evidence(const BlockInformation& information, const Eigen::VectorXd& deviation,
+    /// @param tolerances directions in which the prior knows a standard deviation, whatever the set
+    Evidence(const BlockInformation& information, const std::vector<Direction>& tolerances,
              const std::vector<Hypothesis>& hypotheses);
 
     double calcLogEvidence(const HypothesisSet& set) const;
@@ -95,17 +99,19 @@ private:
     std::vector<Eigen::Index> findRows(const HypothesisSet& set) const;
     double calcOdds(const HypothesisSet& set) const;
     bool mayJoin(const HypothesisSet& set, int hypothesis) const;
-    Eigen::VectorXd toColumns(const std::vector<Eigen::Index>& rows, const Eigen::VectorXd& z) const;
 
     BlockInformation information_;
     const std::vector<Hypothesis>* hypotheses_;
-    Eigen::VectorXd deviation_;
-    std::vector<Eigen::Index> active_;  // columns with a tolerance
-    std::vector<Eigen::Index> first_;   // of each hypothesis' directions, in the rows below
-    Eigen::MatrixXd gram_;              // VᵀAV of the active columns and all directions
-    Eigen::VectorXd right_;             // −Vᵀ b
-    Eigen::MatrixXd directions_;        // columns x directions
+    Eigen::Index tolerances_;          // directions that every set has
+    std::vector<Eigen::Index> first_;  // of each hypothesis' directions, after those
+    Eigen::MatrixXd directions_;       // V: columns x directions
+    Eigen::MatrixXd gram_;             // VᵀAV
+    Eigen::VectorXd right_;            // −Vᵀ b
 };
+
+/// C⁻¹ ε, C = Σ d dᵀ the prior covariance that directions make: the slope of −log prior at an estimate. Zero where no
+/// direction leads; what lies across all directions of some columns counts for nothing.
+Eigen::VectorXd calcPriorSlope(const std::vector<Direction>& directions, const Eigen::VectorXd& estimate);
 
 /// S with S Sᵀ the covariance, which may be singular: of its correlations, so that units of very different size do not
 /// lend each other their rounding. What is known has a row of zeros.

@@ -158,7 +158,7 @@ std::optional<OtherForm> offerCurve(const TestProblem& problem, const Settler& s
     if (curves.empty() || !(stiffness > 0)) return std::nullopt;  // an axis that stands still, or has no elastomer
     const auto count = static_cast<Eigen::Index>(curves.size());
     const Information all = sumOf(problem.view(state.point, state.set, curves), true);
-    const Eigen::VectorXd deviations = extend(problem.deviations(state.set, problem.estimateOf(state.point)), count, 0);
+    const std::vector<Direction> tolerances = problem.tolerances(state.set, problem.estimateOf(state.point));
     const Eigen::VectorXd reaches = extend(problem.reaches(), count, stiffness);
 
     // The set, and one statement more: slopes that differ from the law's by as much as the elastomer's stiffness.
@@ -182,7 +182,7 @@ std::optional<OtherForm> offerCurve(const TestProblem& problem, const Settler& s
     statements.push_back(std::move(form));
 
     const auto makeEvidence = [&](const BlockScales& scales) {
-        return Evidence(combine(all, scales, reaches), deviations, statements);
+        return Evidence(combine(all, scales, reaches), tolerances, statements);
     };
     const auto solve = [&](const HypothesisSet& set) {
         return settler.solveSettled(all, [&](const BlockScales& scales) { return makeEvidence(scales).solve(set); });

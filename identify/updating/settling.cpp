@@ -74,30 +74,12 @@ std::vector<double> calcMeanSquares(const Information& actual) {
 
 /// C⁻¹ ε on the columns that a set moves, C their prior covariance: the slope of −log prior there.
 Eigen::VectorXd calcPriorSlope(const TestProblem& problem, const Eigen::VectorXd& estimate, const HypothesisSet& set) {
-    const Eigen::VectorXd deviation = problem.deviations(set, estimate);
-    Eigen::VectorXd slope = Eigen::VectorXd::Zero(deviation.size());
-    std::vector<char> member(deviation.size(), 0);
-    std::vector<Eigen::Index> freed;
-    for (const int h : set)
-        for (const auto& direction : problem.hypotheses()[h].directions)
-            for (const auto& [column, weight] : direction)
-                if (!std::exchange(member[column], 1)) freed.push_back(column);
-    for (Eigen::Index i = 0; i < deviation.size(); ++i)
-        if (deviation[i] > 0 && !member[i]) slope[i] = estimate[i] / (deviation[i] * deviation[i]);
-    if (freed.empty()) return slope;
-    Eigen::MatrixXd C = deviation(freed).cwiseAbs2().asDiagonal();
-    for (const int h : set)
-        for (const auto& direction : problem.hypotheses()[h].directions) {
-            Eigen::VectorXd along = Eigen::VectorXd::Zero(C.rows());
-            for (const auto& [column, weight] : direction)
-                along[std::find(freed.begin(), freed.end(), column) - freed.begin()] += weight;
-            C += along * along.transpose();
-        }
-    const Eigen::VectorXd size = C.diagonal().cwiseSqrt();
-    const Eigen::MatrixXd scaled = size.cwiseInverse().asDiagonal() * C * size.cwiseInverse().asDiagonal();
-    slope(freed) = size.cwiseInverse().cwiseProduct(
-        scaled.completeOrthogonalDecomposition().solve(estimate(freed).cwiseQuotient(size)));
-    return slope;
+    std::vector<Direction> directions = problem.tolerances(set, estimate);
+    for (const int h : set) {
+        const std::vector<Direction>& own = problem.hypotheses()[h].directions;
+        directions.insert(directions.end(), own.begin(), own.end());
+    }
+    return identify::calcPriorSlope(directions, estimate);
 }
 
 }  // namespace
@@ -109,7 +91,7 @@ bool isSatisfied(const std::vector<double>& misfits) {
 Evidence makeEvidence(const TestProblem& problem, const TestView& view, const HypothesisSet& set,
                       const BlockScales& scales, bool with_validation) {
     return {combine(sumOf(view, with_validation), scales, problem.reaches()),
-            problem.deviations(set, problem.estimateOf(view.at)), problem.hypotheses()};
+            problem.tolerances(set, problem.estimateOf(view.at)), problem.hypotheses()};
 }
 
 Information sumOf(const TestInformation& runs, bool with_validation) {
@@ -153,7 +135,7 @@ bool isNoiseAlone(const Information& all, const std::vector<double>& misfits) {
 SetEvidence::SetEvidence(const TestProblem& problem, const Information& all, const BlockScales& scales,
                          const HypothesisSet& set, const Eigen::VectorXd& estimate, Growth growth)
     : members_(collect(problem, set)),
-      evidence_(combine(all, scales, problem.reaches(), growth), problem.deviations(set, estimate), members_) {
+      evidence_(combine(all, scales, problem.reaches(), growth), problem.tolerances(set, estimate), members_) {
     for (std::size_t i = 0; i < members_.size(); ++i) all_.push_back(static_cast<int>(i));
 }
 

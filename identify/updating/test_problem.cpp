@@ -9,7 +9,6 @@
 #include "identify/motion/parallel.hpp"
 #include "identify/problem/lineariser.hpp"
 #include "identify/problem/open_loop_run.hpp"
-#include "identify/updating/common_factor.hpp"
 #include "identify/updating/missing_mode.hpp"
 #include "identify/verdict/free_error.hpp"
 #include "models/common/error.hpp"
@@ -78,28 +77,33 @@ TestProblem::TestProblem(const std::vector<Recording>& identification, const std
     believed_ = addDormantStops(model, scales.displacement);
     addDormantMode(believed_, scales.lowest);
     table_ = makeUnknownTable({believed_, SensorErrors(layout_)}, layout_, scales, loaded);
+    carried_ = findCarried(table_, layout_);
     catalogue_ = makeCatalogue(table_, layout_, believed_, scales, reach, swept);
     pristine_ = remember();
 }
 
-double TestProblem::deviationOf(const Unknown& row) const {
-    return numbers_ == Numbers::within_tolerances || row.kind == UnknownKind::corner ? row.deviation : 0;
+Eigen::VectorXd TestProblem::ownDeviations() const {
+    Eigen::VectorXd result = Eigen::VectorXd::Zero(catalogue_.columns.size());
+    for (std::size_t i = 0; i < table_.size(); ++i)
+        if (numbers_ == Numbers::within_tolerances || table_[i].kind == UnknownKind::corner)
+            result[i] = table_[i].deviation;
+    return result;
 }
 
 Eigen::VectorXd TestProblem::deviations() const {
-    Eigen::VectorXd result = Eigen::VectorXd::Zero(catalogue_.columns.size());
-    for (std::size_t i = 0; i < table_.size(); ++i) result[i] = deviationOf(table_[i]);
+    Eigen::VectorXd result = ownDeviations();
+    for (const auto& [position, place] : carried_) result[place] = std::hypot(result[place], result[position]);
     return result;
 }
 
-Eigen::VectorXd TestProblem::deviations(const HypothesisSet& set, const Eigen::VectorXd& estimate) const {
-    Eigen::VectorXd result = deviations();
+std::vector<Direction> TestProblem::tolerances(const HypothesisSet& set, const Eigen::VectorXd& estimate) const {
+    Eigen::VectorXd own = ownDeviations();
     for (const int h : set)
         for (const Direction& direction : catalogue_.hypotheses[h].directions) {
             const double factor = calcCommonFactor(table_, direction, estimate);
-            for (const auto& [column, weight] : direction) result[column] *= factor;
+            for (const auto& [column, weight] : direction) own[column] *= factor;
         }
-    return result;
+    return linkTolerances(own, carried_);
 }
 
 Eigen::VectorXd TestProblem::reaches() const {
@@ -332,7 +336,8 @@ TestView TestProblem::view(const TestPoint& point) const {
 ColumnSet TestProblem::columnsOf(const HypothesisSet& set) const {
     ColumnSet columns = catalogue_.columns;
     columns.wantNone();
-    for (std::size_t i = 0; i < table_.size(); ++i) columns.wanted[i] = deviationOf(table_[i]) > 0;
+    const Eigen::VectorXd own = deviations();
+    for (std::size_t i = 0; i < table_.size(); ++i) columns.wanted[i] = own[i] > 0;
     for (const int h : set)
         for (const Direction& direction : catalogue_.hypotheses[h].directions)
             for (const auto& [column, weight] : direction) columns.wanted[column] = 1;

@@ -12,6 +12,7 @@
 #include "identify/catalogue/hypotheses.hpp"
 #include "identify/problem/linearised_run.hpp"
 #include "identify/solve/evidence.hpp"
+#include "identify/updating/linked_numbers.hpp"
 #include "identify/verdict/free_error.hpp"
 
 namespace wems::identify::updating {
@@ -66,8 +67,8 @@ public:
     std::size_t identificationCount() const { return identification_count_; }
     /// Prior standard deviation of each column.
     Eigen::VectorXd deviations() const;
-    /// The same under a set: what its members move by one factor has its tolerance about what that makes of it.
-    Eigen::VectorXd deviations(const HypothesisSet& set, const Eigen::VectorXd& estimate) const;
+    /// What the prior knows under a set about an estimate (linked_numbers.hpp).
+    std::vector<Direction> tolerances(const HypothesisSet& set, const Eigen::VectorXd& estimate) const;
     /// The same where a column is free.
     Eigen::VectorXd reaches() const;
 
@@ -128,8 +129,8 @@ private:
     ColumnSet columnsOf(const HypothesisSet& set) const;
     PointEquations formEquations(const TestPoint& point) const;
     bool isAdopted(int hypothesis) const;
-    /// Prior standard deviation of a row outside all hypotheses.
-    double deviationOf(const Unknown& row) const;
+    /// Prior standard deviation of each column by itself, outside all hypotheses.
+    Eigen::VectorXd ownDeviations() const;
     /// A run as exact sensors would have recorded it, where they err.
     TestRun correctRun(const TestRun& run, const TestPoint& point) const;
     /// All of them; the last ones are kept. Not to be called by two threads.
@@ -142,6 +143,7 @@ private:
     Numbers numbers_ = Numbers::within_tolerances;
     bool exactly_known_ = false;
     UnknownTable table_;
+    CarriedRows carried_;
     Catalogue catalogue_;
     Memento pristine_;  // before any adoption
     struct CorrectedRuns {

@@ -95,8 +95,14 @@ TEST_CASE("Numbers that one factor moves have their tolerances of what it makes 
     std::mt19937_64 random(seed);
     TestProblem problem = makeProblem(random);
     problem.assume(Numbers::within_tolerances);
-    const Eigen::VectorXd plain = problem.deviations();
-    CHECK(problem.deviations({}, Eigen::VectorXd::Ones(plain.size())) == plain);
+    const auto own = [&](const HypothesisSet& set, const Eigen::VectorXd& estimate) {
+        Eigen::VectorXd deviations = Eigen::VectorXd::Zero(estimate.size());
+        for (const Direction& tolerance : problem.tolerances(set, estimate))
+            deviations[tolerance.front().first] = tolerance.front().second;
+        return deviations;
+    };
+    const Eigen::VectorXd plain = own({}, Eigen::VectorXd::Zero(problem.deviations().size()));
+    CHECK(own({}, Eigen::VectorXd::Ones(plain.size())) == plain);
     const double factor = std::uniform_real_distribution<double>(0.2, 5)(random);
     CAPTURE(factor);
     int factors = 0;
@@ -113,9 +119,39 @@ TEST_CASE("Numbers that one factor moves have their tolerances of what it makes 
         factors += expected != plain;
         // What one of them is besides is its own.
         if (common && hypothesis.reported.size() > 2) moved[hypothesis.reported.back()] *= 7;
-        CHECK(((problem.deviations({h}, moved) - expected).array().abs() <= 1e-12 * expected.array()).all());
+        CHECK(((own({h}, moved) - expected).array().abs() <= 1e-12 * expected.array()).all());
     }
     CHECK(factors > 10);
+}
+
+TEST_CASE("A connection that is elsewhere has the sensors there with it", "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    TestProblem problem = makeProblem(random);
+    CHECK(problem.deviations()[findUnknown(problem.table(), "mobile.2.position.y")] == 0);  // exact numbers
+    problem.assume(Numbers::within_tolerances);
+    const Eigen::VectorXd deviations = problem.deviations();
+    int followed = 0;
+    for (const Direction& tolerance : problem.tolerances({}, Eigen::VectorXd::Zero(deviations.size()))) {
+        const Unknown& row = problem.table()[tolerance.front().first];
+        CAPTURE(row.name);
+        if (row.kind != UnknownKind::position) {
+            CHECK(tolerance.size() == 1);
+            continue;
+        }
+        REQUIRE(tolerance.size() == 3);
+        const std::string end = row.name;  // `2.position.y`
+        for (const auto& [column, deviation] : tolerance) {
+            const std::string& name = problem.table()[column].name;
+            CHECK(deviation == row.deviation);
+            CHECK((name == end || name == "mobile." + end || name == "fixed." + end));
+            if (name == end) continue;
+            CHECK(deviations[column] == std::hypot(row.deviation, problem.table()[column].deviation));
+            ++followed;
+        }
+    }
+    CHECK(followed > 0);
 }
 
 TEST_CASE("A missing mode is sought once, and is one statement beside those of the modes that are there",

@@ -14,7 +14,7 @@ namespace {
 struct Problem {
     Eigen::MatrixXd J;
     Eigen::VectorXd r;
-    Eigen::VectorXd deviation;
+    std::vector<Direction> tolerances;
     std::vector<Hypothesis> hypotheses;
 
     BlockInformation information() const {
@@ -25,15 +25,21 @@ struct Problem {
         result.count = static_cast<double>(r.size());
         return result;
     }
+    /// What the prior and a set know.
+    std::vector<Direction> collect(const HypothesisSet& set) const {
+        std::vector<Direction> directions = tolerances;
+        for (const int h : set)
+            directions.insert(directions.end(), hypotheses[h].directions.begin(), hypotheses[h].directions.end());
+        return directions;
+    }
     /// Prior covariance of the unknowns under a set.
     Eigen::MatrixXd prior(const HypothesisSet& set) const {
-        Eigen::MatrixXd C = deviation.cwiseAbs2().asDiagonal();
-        for (const int h : set)
-            for (const Direction& direction : hypotheses[h].directions) {
-                Eigen::VectorXd along = Eigen::VectorXd::Zero(C.rows());
-                for (const auto& [column, weight] : direction) along[column] += weight;
-                C += along * along.transpose();
-            }
+        Eigen::MatrixXd C = Eigen::MatrixXd::Zero(J.cols(), J.cols());
+        for (const Direction& direction : collect(set)) {
+            Eigen::VectorXd along = Eigen::VectorXd::Zero(C.rows());
+            for (const auto& [column, weight] : direction) along[column] += weight;
+            C += along * along.transpose();
+        }
         return C;
     }
     /// log N(r; 0, 1 + J C Jᵀ) in the space of the data, beside its constant, and the log odds.
@@ -66,8 +72,10 @@ Problem draw(unsigned seed) {
     problem.r.resize(60);
     fill(problem.J);
     fill(problem.r);
-    problem.deviation.resize(8);
-    problem.deviation << 0.1, 0.2, 0.05, 0, 0, 0.3, 0, 0.1;
+    Eigen::VectorXd deviation(8);
+    deviation << 0.1, 0.2, 0.05, 0, 0, 0.3, 0, 0.1;
+    problem.tolerances = makeTolerances(deviation);
+    problem.tolerances[1].emplace_back(7, -0.25);  // which another number follows
     problem.r += 1.5 * problem.J.col(3) - 0.8 * problem.J.col(0);
     problem.hypotheses = {makeHypothesis("a", "1", {{{0, 2.0}}}), makeHypothesis("b", "1", {{{3, 1.0}}}),
                           makeHypothesis("c", "2", {{{4, 1.0}}, {{6, 0.5}}}),
@@ -82,7 +90,7 @@ TEST_CASE("Evidence of a set is the density of the data", "[evidence]") {
     const unsigned seed = wems::test::drawSeed();
     CAPTURE(seed);
     const Problem problem = draw(seed);
-    const Evidence evidence(problem.information(), problem.deviation, problem.hypotheses);
+    const Evidence evidence(problem.information(), problem.tolerances, problem.hypotheses);
     const double constant = problem.bruteForce({}) - evidence.calcLogEvidence({});
     for (const HypothesisSet& set : {HypothesisSet{0}, {1}, {2}, {3}, {0, 1}, {1, 2, 3}}) {
         CHECK(evidence.calcLogEvidence(set) + constant == Approx(problem.bruteForce(set)).epsilon(1e-9));
@@ -104,7 +112,7 @@ TEST_CASE("Extensions of a set are the evidence of the larger set", "[evidence]"
     const unsigned seed = wems::test::drawSeed();
     CAPTURE(seed);
     const Problem problem = draw(seed);
-    const Evidence evidence(problem.information(), problem.deviation, problem.hypotheses);
+    const Evidence evidence(problem.information(), problem.tolerances, problem.hypotheses);
     const auto extended = evidence.calcExtensions({1});
     CHECK(extended[0] == Approx(evidence.calcLogEvidence({0, 1})));
     CHECK(extended[2] == Approx(evidence.calcLogEvidence({1, 2})));
@@ -118,7 +126,7 @@ TEST_CASE("A damped step is the posterior of a prior drawn to the present point"
     const unsigned seed = wems::test::drawSeed();
     CAPTURE(seed);
     const Problem problem = draw(seed);
-    const Evidence evidence(problem.information(), problem.deviation, problem.hypotheses);
+    const Evidence evidence(problem.information(), problem.tolerances, problem.hypotheses);
     std::mt19937 random(seed + 1);
     std::normal_distribution<double> normal;
     for (const HypothesisSet& set : {HypothesisSet{}, {0}, {1, 2}, {0, 3}}) {
@@ -141,11 +149,31 @@ TEST_CASE("A damped step is the posterior of a prior drawn to the present point"
     }
 }
 
+TEST_CASE("The slope of a prior is the inverse of its covariance, where it has one", "[evidence]") {
+    const unsigned seed = wems::test::drawSeed();
+    CAPTURE(seed);
+    const Problem problem = draw(seed);
+    std::mt19937 random(seed + 2);
+    std::normal_distribution<double> normal;
+    for (const HypothesisSet& set : {HypothesisSet{}, {0}, {1}, {1, 2}, {0, 3}}) {
+        CAPTURE(set);
+        const std::vector<Direction> directions = problem.collect(set);
+        const Eigen::MatrixXd C = problem.prior(set);
+        // Where the set leads.
+        Eigen::VectorXd z(8);
+        for (double& value : z) value = normal(random);
+        const Eigen::VectorXd estimate = C * z, slope = calcPriorSlope(directions, estimate);
+        CHECK((C * slope - estimate).norm() < 1e-12 * estimate.norm());
+        CHECK(estimate.dot(slope) ==
+              Approx(estimate.dot(C.completeOrthogonalDecomposition().solve(estimate))).epsilon(1e-9));
+    }
+}
+
 TEST_CASE("The search finds the set of highest evidence", "[evidence]") {
     const unsigned seed = wems::test::drawSeed();
     CAPTURE(seed);
     const Problem problem = draw(seed);
-    const Evidence evidence(problem.information(), problem.deviation, problem.hypotheses);
+    const Evidence evidence(problem.information(), problem.tolerances, problem.hypotheses);
     double best = evidence.calcLogEvidence({});
     for (int a = 0; a < 5; ++a) {
         best = std::max(best, evidence.calcLogEvidence({a}));
