@@ -64,6 +64,14 @@ Eigen::MatrixXd BracketEquation::calcResponse(const MountModel& model,
     return fourier_.inverse(motion, run_->sampleCount());
 }
 
+Eigen::RowVectorXd BracketEquation::respond(const Eigen::RowVectorXcd& spectrum,
+                                            const std::function<std::complex<double>(double w)>& response) const {
+    Eigen::RowVectorXcd answer = spectrum;
+    const double step = kTwoPi / (fourier_.size() * run_->interval);
+    for (Eigen::Index k = 0; k < answer.size(); ++k) answer[k] *= response(step * static_cast<double>(k));
+    return fourier_.inverse(answer, run_->sampleCount());
+}
+
 Eigen::MatrixXd BracketEquation::calcWrench(const Eigen::Ref<const Eigen::MatrixXd>& demand) const {
     Eigen::MatrixXd on_fixed = -demand;
     for (int k = 0; k < run_->sampleCount(); ++k) {
@@ -91,8 +99,9 @@ Eigen::MatrixXd BracketEquation::calcInputs(const MountModel& model) const {
     return inputs;
 }
 
-Eigen::MatrixXd BracketEquation::calcPrediction(const MountModel& model) const {
-    return calcResponse(model, calcParticipations(model) * calcInputs(model));
+Eigen::MatrixXd BracketEquation::calcPrediction(const MountModel& model,
+                                                const Eigen::Ref<const Eigen::MatrixXd>& inputs) const {
+    return calcResponse(model, calcParticipations(model) * inputs);
 }
 
 Eigen::MatrixXd BracketEquation::calcResidual(const MountModel& model) const {

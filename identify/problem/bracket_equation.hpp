@@ -9,6 +9,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
+#include <functional>
 
 #include "identify/motion/fourier.hpp"
 #include "identify/problem/open_loop_run.hpp"
@@ -25,10 +27,19 @@ public:
     static bool isAvailable(const OpenLoopRun& run, const MountModel& model);
 
     /// Predicted motion of F: position (m) above rotation vector (rad), 6 x samples.
-    Eigen::MatrixXd calcPrediction(const MountModel& model) const;
+    Eigen::MatrixXd calcPrediction(const MountModel& model) const { return calcPrediction(model, calcInputs(model)); }
+    /// Response to given inputs (12 x samples).
+    Eigen::MatrixXd calcPrediction(const MountModel& model, const Eigen::Ref<const Eigen::MatrixXd>& inputs) const;
+    /// Spectra of rows of samples, as long as the response of a mode lasts.
+    Eigen::MatrixXcd calcSpectra(const Eigen::Ref<const Eigen::MatrixXd>& rows) const { return fourier_.forward(rows); }
+    /// A row with such a spectrum through a frequency response (of w, rad/s): its history in the recording, from rest.
+    Eigen::RowVectorXd respond(const Eigen::RowVectorXcd& spectrum,
+                               const std::function<std::complex<double>(double w)>& response) const;
     /// Response to given modal forces (modes x samples).
     Eigen::MatrixXd calcResponse(const MountModel& model, const Eigen::Ref<const Eigen::MatrixXd>& modal_forces) const;
-    /// Modal forces of a demanded wrench of the mobile part (6 x samples, about M's origin).
+    /// On the fixed part, at F's origin, by a demanded wrench of the mobile part (6 x samples, about M's origin).
+    Eigen::MatrixXd calcWrench(const Eigen::Ref<const Eigen::MatrixXd>& demand) const;
+    /// Modal forces of a demanded wrench of the mobile part.
     Eigen::MatrixXd calcModalForces(const MountModel& model, const Eigen::Ref<const Eigen::MatrixXd>& demand) const;
     /// What drives the modes: the wrench on the fixed part at F's origin (force above moment), with the load if it acts
     /// on that part; the load with the model's correction at the bracket's load point; and the base acceleration with
@@ -39,8 +50,6 @@ public:
     Eigen::MatrixXd calcResidual(const MountModel& model) const;
 
 private:
-    Eigen::MatrixXd calcWrench(const Eigen::Ref<const Eigen::MatrixXd>& demand) const;
-
     const OpenLoopRun* run_;
     Fourier fourier_;
 };

@@ -39,7 +39,9 @@ Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const Te
 void Lineariser::prepareColumns() {
     demand_ = calcDemand(open_, model_.body, model_.gravity);
     if (with_bracket_) {
-        inputs_ = spectra_.transform(bracket_.calcInputs(model_));
+        const Eigen::MatrixXd inputs = bracket_.calcInputs(model_);
+        inputs_ = spectra_.transform(inputs);
+        input_spectra_ = bracket_.calcSpectra(inputs);
         for (const BracketMode& own : model_.bracket) modal_.push_back(makeModal(own));
     }
     const auto axes = 3 * static_cast<Eigen::Index>(model_.connections.size());
@@ -70,14 +72,26 @@ void Lineariser::prepareColumns() {
 
 Lineariser::Modal Lineariser::makeModal(const BracketMode& mode) const {
     const Eigen::Index bins = spectra_.binCount();
-    Modal modal{Eigen::VectorXcd(bins), inputs_.transpose() * calcParticipation(mode).cast<Complex>(),
-                Eigen::MatrixXcd(6, bins)};
+    const Eigen::RowVectorXcd force = calcParticipation(mode).transpose().cast<Complex>() * input_spectra_;
+    Modal modal{force, respond(force, [&](double w) { return calcModalResponse(mode, w); }), Eigen::MatrixXcd(6, bins)};
     const Vector6c shape = calcShape(mode).cast<Complex>();
-    for (Eigen::Index b = 0; b < bins; ++b) {
-        modal.response[b] = calcModalResponse(mode, spectra_.angular(b));
-        modal.white.col(b) = noise_.whitener(b).bottomRightCorner<6, 6>() * shape;
-    }
+    for (Eigen::Index b = 0; b < bins; ++b) modal.white.col(b) = noise_.whitener(b).bottomRightCorner<6, 6>() * shape;
     return modal;
+}
+
+Eigen::RowVectorXcd Lineariser::respond(const Eigen::RowVectorXcd& spectrum,
+                                        const std::function<Complex(double w)>& response) const {
+    Eigen::RowVectorXd series = bracket_.respond(spectrum, response);
+    series.array() -= series.mean();
+    return spectra_.transform(series);
+}
+
+Eigen::MatrixXcd Lineariser::transformBracket(Eigen::Index first, const Eigen::MatrixXd& inputs) const {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(12, inputs.cols());
+    all.middleRows(first, inputs.rows()) = inputs;
+    Eigen::MatrixXd series = bracket_.calcPrediction(model_, all);
+    series.colwise() -= series.rowwise().mean().eval();
+    return spectra_.transform(series);
 }
 
 Eigen::MatrixXcd Lineariser::whiten(const Eigen::MatrixXcd& mount, const Eigen::MatrixXcd& bracket) const {
@@ -137,9 +151,7 @@ void Lineariser::calcBodyColumn(const TestState& to, double step, Eigen::MatrixX
     const Eigen::MatrixXd change = (calcDemand(open_, to.model.body, to.model.gravity) - demand_) / step;
     mount = transformMount(change);
     if (!with_bracket_) return;
-    const Eigen::MatrixXcd plain = spectra_.transform(change);
-    bracket.resize(6, plain.cols());
-    for (Eigen::Index b = 0; b < plain.cols(); ++b) bracket.col(b) = -(noise_.receptance(b) * plain.col(b));
+    bracket = transformBracket(0, bracket_.calcWrench(change));
 }
 
 Eigen::MatrixXcd Lineariser::calcPositionColumn(int connection, int axis) const {
@@ -161,31 +173,29 @@ Eigen::MatrixXcd Lineariser::calcModeColumn(int mode, int which) const {
     const BracketMode& own = model_.bracket[mode];
     const Modal& modal = modal_[mode];
     const double w0 = kTwoPi * own.frequency;
-    Eigen::MatrixXcd white = modal.white;
-    for (Eigen::Index b = 0; b < white.cols(); ++b) {
-        const double w = spectra_.angular(b);
-        const Complex slope = which == 0 ? Complex(2 * w0, 2 * own.damping_ratio * w) * kTwoPi : Complex(0, 2 * w0 * w);
-        white.col(b) *= -modal.response[b] * modal.response[b] * slope * modal.force[b];
-    }
-    return white;
+    return modal.white * respond(modal.force, [&](double w) {
+                             const Complex h = calcModalResponse(own, w);
+                             const Complex slope = which == 0 ? Complex(2 * w0, 2 * own.damping_ratio * w) * kTwoPi
+                                                              : Complex(0, 2 * w0 * w);
+                             return -h * h * slope;
+                         }).asDiagonal();
 }
 
 Eigen::MatrixXcd Lineariser::calcShapeColumn(int mode, int entry) const {
     const Modal& modal = modal_[mode];
-    Eigen::MatrixXcd white = modal.white;
-    for (Eigen::Index b = 0; b < white.cols(); ++b) {
-        // With a load point of the model's own the bracket's is not loaded.
-        white.col(b) *= modal.response[b] * inputs_(entry, b);
-        if (entry < 6)
-            white.col(b) +=
-                modal.response[b] * modal.force[b] * noise_.whitener(b).bottomRightCorner<6, 6>().col(entry);
-    }
+    const BracketMode& own = model_.bracket[mode];
+    // With a load point of the model's own the bracket's is not loaded.
+    Eigen::MatrixXcd white = modal.white * respond(input_spectra_.row(entry), [&](double w) {
+                                               return calcModalResponse(own, w);
+                                           }).asDiagonal();
+    for (Eigen::Index b = 0; entry < 6 && b < white.cols(); ++b)
+        white.col(b) += modal.motion[b] * noise_.whitener(b).bottomRightCorner<6, 6>().col(entry);
     return white;
 }
 
 Eigen::MatrixXcd Lineariser::calcAddedMode(const BracketMode& mode) const {
     const Modal modal = makeModal(mode);
-    return modal.white * modal.response.cwiseProduct(modal.force).asDiagonal();
+    return modal.white * modal.motion.asDiagonal();
 }
 
 Eigen::MatrixXd Lineariser::calcLoadOf(int axis) const {
@@ -200,19 +210,11 @@ void Lineariser::calcLoadColumn(const Eigen::MatrixXd& load, Eigen::MatrixXcd& m
         const Eigen::MatrixXd wrench = calcLoadWrench(open_, *model_.load_point, load);
         if (loadsMobilePart(open_, model_)) mount = transformMount(-wrench);
         if (!with_bracket_) return;
-        bracket = spectra_.transform(wrench);
-        for (Eigen::Index b = 0; b < bracket.cols(); ++b)
-            bracket.col(b) = (noise_.receptance(b) * bracket.col(b)).eval();
+        if (with_bracket_)
+            bracket = transformBracket(0, loadsMobilePart(open_, model_) ? bracket_.calcWrench(-wrench) : wrench);
         return;
     }
-    if (!with_bracket_) return;
-    const Eigen::MatrixXcd spectra = spectra_.transform(load);
-    bracket = Eigen::MatrixXcd::Zero(6, spectra.cols());
-    for (Eigen::Index b = 0; b < bracket.cols(); ++b)
-        for (const auto& own : model_.bracket) {
-            const Complex force = own.load_translation.cast<Complex>().dot(spectra.col(b));
-            bracket.col(b) += calcShape(own).cast<Complex>() * (calcModalResponse(own, spectra_.angular(b)) * force);
-        }
+    if (with_bracket_) bracket = transformBracket(6, load);
 }
 
 Eigen::MatrixXd Lineariser::calcHatLoad(const LoadHat& hat, double& share) const {

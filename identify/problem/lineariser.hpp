@@ -6,6 +6,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -92,12 +94,19 @@ public:
     double calcContactShare() const;
 
 private:
-    /// What all columns of a mode share, at each bin: its response, what drives it, and its whitened shape.
+    /// What all columns of a mode share: the spectrum of its force (BracketEquation::calcSpectra), and at each bin its
+    /// coordinate and its whitened shape.
     struct Modal {
-        Eigen::VectorXcd response, force;
+        Eigen::RowVectorXcd force, motion;
         Eigen::MatrixXcd white;
     };
     Modal makeModal(const BracketMode& mode) const;
+    /// At the bins, of a history that follows from its cause as a mode does: the whole response is tapered, as the
+    /// residual's is. The response to what is tapered is another, by the slope of the window times the mode's memory.
+    Eigen::RowVectorXcd respond(const Eigen::RowVectorXcd& spectrum,
+                                const std::function<std::complex<double>(double w)>& response) const;
+    /// The bracket's response to some of its inputs, from the first on, 6 x bins.
+    Eigen::MatrixXcd transformBracket(Eigen::Index first, const Eigen::MatrixXd& inputs) const;
 
     void calcResiduals();
     MountModel model_;
@@ -117,7 +126,7 @@ private:
     bool in_contact_ = false;
     std::vector<Eigen::MatrixXcd> axis_white_;
     std::vector<Modal> modal_;
-    Eigen::MatrixXcd inputs_, white_;
+    Eigen::MatrixXcd inputs_, input_spectra_, white_;
 };
 
 }  // namespace wems::identify
