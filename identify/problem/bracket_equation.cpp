@@ -81,11 +81,6 @@ Eigen::MatrixXd BracketEquation::calcWrench(const Eigen::Ref<const Eigen::Matrix
     return on_fixed;
 }
 
-Eigen::MatrixXd BracketEquation::calcModalForces(const MountModel& model,
-                                                 const Eigen::Ref<const Eigen::MatrixXd>& demand) const {
-    return calcParticipations(model).leftCols(6) * calcWrench(demand);
-}
-
 Eigen::MatrixXd BracketEquation::calcInputs(const MountModel& model) const {
     Eigen::MatrixXd inputs = Eigen::MatrixXd::Zero(12, run_->sampleCount());
     Eigen::MatrixXd demand = calcDemand(*run_, model.body, model.gravity);

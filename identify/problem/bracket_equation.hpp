@@ -35,12 +35,8 @@ public:
     /// A row with such a spectrum through a frequency response (of w, rad/s): its history in the recording, from rest.
     Eigen::RowVectorXd respond(const Eigen::RowVectorXcd& spectrum,
                                const std::function<std::complex<double>(double w)>& response) const;
-    /// Response to given modal forces (modes x samples).
-    Eigen::MatrixXd calcResponse(const MountModel& model, const Eigen::Ref<const Eigen::MatrixXd>& modal_forces) const;
     /// On the fixed part, at F's origin, by a demanded wrench of the mobile part (6 x samples, about M's origin).
     Eigen::MatrixXd calcWrench(const Eigen::Ref<const Eigen::MatrixXd>& demand) const;
-    /// Modal forces of a demanded wrench of the mobile part.
-    Eigen::MatrixXd calcModalForces(const MountModel& model, const Eigen::Ref<const Eigen::MatrixXd>& demand) const;
     /// What drives the modes: the wrench on the fixed part at F's origin (force above moment), with the load if it acts
     /// on that part; the load with the model's correction at the bracket's load point; and the base acceleration with
     /// the opposite sign; 12 x samples.
@@ -50,6 +46,9 @@ public:
     Eigen::MatrixXd calcResidual(const MountModel& model) const;
 
 private:
+    /// Response to given modal forces (modes x samples).
+    Eigen::MatrixXd calcResponse(const MountModel& model, const Eigen::Ref<const Eigen::MatrixXd>& modal_forces) const;
+
     const OpenLoopRun* run_;
     Fourier fourier_;
 };

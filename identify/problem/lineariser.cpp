@@ -81,15 +81,16 @@ Lineariser::Modal Lineariser::makeModal(const BracketMode& mode) const {
 
 Eigen::RowVectorXcd Lineariser::respond(const Eigen::RowVectorXcd& spectrum,
                                         const std::function<Complex(double w)>& response) const {
-    Eigen::RowVectorXd series = bracket_.respond(spectrum, response);
-    series.array() -= series.mean();
-    return spectra_.transform(series);
+    return transformFixed(bracket_.respond(spectrum, response));
 }
 
 Eigen::MatrixXcd Lineariser::transformBracket(Eigen::Index first, const Eigen::MatrixXd& inputs) const {
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(12, inputs.cols());
     all.middleRows(first, inputs.rows()) = inputs;
-    Eigen::MatrixXd series = bracket_.calcPrediction(model_, all);
+    return transformFixed(bracket_.calcPrediction(model_, all));
+}
+
+Eigen::MatrixXcd Lineariser::transformFixed(Eigen::MatrixXd series) const {
     series.colwise() -= series.rowwise().mean().eval();
     return spectra_.transform(series);
 }
@@ -343,11 +344,7 @@ double Lineariser::calcContactShare() const {
 void Lineariser::calcResiduals() {
     mount_series_ = calcMountResidual(open_, model_);
     Eigen::MatrixXcd bracket;
-    if (with_bracket_) {
-        Eigen::MatrixXd series = bracket_.calcResidual(model_);
-        series.colwise() -= series.rowwise().mean().eval();
-        bracket = spectra_.transform(series);
-    }
+    if (with_bracket_) bracket = transformFixed(bracket_.calcResidual(model_));
     white_ = whiten(transformMount(mount_series_), bracket);
 }
 

@@ -105,6 +105,8 @@ private:
     /// residual's is. The response to what is tapered is another, by the slope of the window times the mode's memory.
     Eigen::RowVectorXcd respond(const Eigen::RowVectorXcd& spectrum,
                                 const std::function<std::complex<double>(double w)>& response) const;
+    /// A motion of the fixed part about its mean, rows x bins.
+    Eigen::MatrixXcd transformFixed(Eigen::MatrixXd series) const;
     /// The bracket's response to some of its inputs, from the first on, 6 x bins.
     Eigen::MatrixXcd transformBracket(Eigen::Index first, const Eigen::MatrixXd& inputs) const;
 

@@ -25,11 +25,11 @@ namespace wems::identify {
 /// One instant of a part's motion, and of forces that act on it.
 struct TurningInstant {
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-    Eigen::Matrix3d unmoved_R = Eigen::Matrix3d::Identity();  ///< R before the error moves it, by p among others
+    Eigen::Matrix3d unmoved_R = Eigen::Matrix3d::Identity();  ///< R without what the error adds; p is what it adds
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
     Eigen::Vector3d w = Eigen::Vector3d::Zero(), a = Eigen::Vector3d::Zero(), alpha = Eigen::Vector3d::Zero();
     Eigen::Matrix3d other_R = Eigen::Matrix3d::Identity();  ///< of the other part
-    Eigen::Vector3d other_p = Eigen::Vector3d::Zero();      ///< of the other part, from this one unmoved
+    Eigen::Vector3d other_p = Eigen::Vector3d::Zero();      ///< of the other part, from this one without p
     Eigen::VectorXd forces;
 };
 using TurningOutputs = std::function<Eigen::VectorXd(const TurningInstant&)>;
