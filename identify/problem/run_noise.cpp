@@ -36,8 +36,9 @@ Matrix6 calcFitCovariance(const SensorLayout& layout, const TestRun& run, int gr
 /// motions themselves have wrong stands where they are. Below the corner of a slow motion nothing is left: it follows.
 std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> calcDensities(const OpenLoopRun& run, const MotionNoise& motion,
                                                                       const EquationSpectra& spectra,
-                                                                      const Matrix6& folded,
                                                                       const Eigen::MatrixXd& wrong, double corner) {
+    Eigen::Matrix<double, 6, 12> relative;
+    relative << Matrix6::Identity(), -Matrix6::Identity();
     std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> densities;
     const double kept = run.raw_interval / run.interval;
     for (Eigen::Index k = 0; k < spectra.densityCount(); ++k) {
@@ -45,9 +46,9 @@ std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> calcDensities(const Open
         densities.push_back(Matrix6::Zero());
         if (f < corner) continue;
         const double passed = std::pow(run.filter.calcResponse(f), 2);
-        densities.back() =
-            kept * passed *
-            (motion.covariance(Part::mobile, w) + motion.covariance(Part::fixed, w) + folded / (w * w * w * w));
+        densities.back() = kept * passed *
+                           (motion.covariance(Part::mobile, w) + motion.covariance(Part::fixed, w) +
+                            relative * motion.foldedCovariance(run.aliasing, w) * relative.transpose());
     }
     for (Eigen::Index b = 0; b < wrong.cols(); ++b)
         densities[spectra.firstBin() + b].diagonal() +=
@@ -166,13 +167,19 @@ Matrix6 MotionNoise::covariance(Part part, double w) const {
     return sum;
 }
 
+Eigen::Matrix<double, 12, 12> MotionNoise::foldedCovariance(const Eigen::Matrix<double, 12, 12>& accelerations,
+                                                            double w) const {
+    Eigen::Matrix<double, 12, 1> weight;
+    weight << Vector6::Constant(weights(Part::mobile, w).acceleration),
+        Vector6::Constant(weights(Part::fixed, w).acceleration);
+    weight /= w * w;
+    return weight.asDiagonal() * accelerations * weight.asDiagonal();
+}
+
 RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel& model, const MotionNoise& motion,
                    const EquationSpectra& spectra, const SlowBalance* slow, bool with_bracket) {
     const Matrix6 M = calcMassMatrix(model.body);
     const Vector6 freedom = calcFreedom(model.body);
-    Eigen::Matrix<double, 6, 12> relative;
-    relative << Matrix6::Identity(), -Matrix6::Identity();
-    const Matrix6 folded = relative * run.aliasing * relative.transpose();
     std::vector<Matrix6, Eigen::aligned_allocator<Matrix6>> directions;
     std::vector<DynamicStiffness> stiffnesses;
     std::vector<Eigen::RowVectorXd> contact;
@@ -208,7 +215,7 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
         const Matrix6& along = directions[i];  // d dᵀ: variance along d is dᵀ P d = trace(along P)
         const Eigen::Index row = i;
         if (densities.empty())
-            densities = calcDensities(run, motion, spectra, folded, part * motion_power,
+            densities = calcDensities(run, motion, spectra, part * motion_power,
                                       slow != nullptr ? slow->cornerFrequency() : 0.0);
         Eigen::RowVectorXd density(spectra.densityCount());
         for (Eigen::Index k = 0; k < density.size(); ++k) density[k] = (along * densities[k]).trace();
@@ -225,7 +232,7 @@ RunNoise::RunNoise(const TestRun& test, const OpenLoopRun& run, const MountModel
         Matrix12c P = Matrix12c::Zero(), A = Matrix12c::Zero(), S = Matrix12c::Zero();
         P.topLeftCorner<6, 6>() = (gain * motion.covariance(Part::mobile, w)).cast<std::complex<double>>();
         P.bottomRightCorner<6, 6>() = (gain * motion.covariance(Part::fixed, w)).cast<std::complex<double>>();
-        if (!run.aliasing.isZero(0.0)) P += (gain / (w * w * w * w) * run.aliasing).cast<std::complex<double>>();
+        P += (gain * motion.foldedCovariance(run.aliasing, w)).cast<std::complex<double>>();
         P.diagonal() += (part * motion_power.col(b)).cast<std::complex<double>>();
         A.topLeftCorner<6, 6>() = stiffness - (w * w * M).cast<std::complex<double>>();
         A.topRightCorner<6, 6>() = -stiffness;

@@ -76,6 +76,9 @@ public:
     Weights weights(Part part, double w) const;
     /// m², m rad, rad² of one sample's noise, as white noise of the density at w (rad/s).
     Matrix6 covariance(Part part, double w) const;
+    /// The same of both parts (mobile above fixed) by what sampling has folded.
+    /// @param accelerations covariance as of calcAliasing
+    Eigen::Matrix<double, 12, 12> foldedCovariance(const Eigen::Matrix<double, 12, 12>& accelerations, double w) const;
 
 private:
     struct Side {

@@ -1,5 +1,6 @@
 #include "identify/problem/smoothing_kernel.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -12,6 +13,8 @@ namespace wems::identify {
 
 namespace {
 
+using Matrix12 = Eigen::Matrix<double, 12, 12>;
+
 constexpr double kFrom = 0.4, kTo = 0.49;  // of the sampling rate: where folding is seen
 constexpr double kFolded = 0.06;           // of the power there: near zero frequency
 
@@ -19,22 +22,29 @@ constexpr double kFolded = 0.06;           // of the power there: near zero freq
 
 Eigen::Matrix<double, 12, 12> calcAliasing(const RunMotion& run) {
     Eigen::MatrixXd acceleration = Eigen::MatrixXd::Zero(12, run.mobile.a.cols());
-    bool integrated = false;
+    Matrix12 noise = Matrix12::Zero();
+    bool measured = false;
     const auto fill = [&](const PartMotion& part, Eigen::Index row) {
-        if (part.displacement_measured || !part.acceleration_measured) return;
+        if (!part.acceleration_measured) return;
         acceleration.middleRows(row, 3) = part.a;
         acceleration.middleRows(row + 3, 3) = part.alpha;
-        integrated = true;
+        noise.block<6, 6>(row, row) =
+            part.acceleration_density.medianBetween(kFrom / run.interval, kTo / run.interval) *
+            part.acceleration_covariance;
+        measured = true;
     };
     fill(run.mobile, 0);
     fill(run.fixed, 6);
-    if (!integrated) return Eigen::Matrix<double, 12, 12>::Zero();
+    if (!measured) return Matrix12::Zero();
     const Fourier fourier(static_cast<int>(acceleration.cols()));
     const auto first = static_cast<Eigen::Index>(kFrom * fourier.size()),
                last = static_cast<Eigen::Index>(kTo * fourier.size());
     const Eigen::MatrixXcd seen = fourier.forward(acceleration).middleCols(first, last - first);
     const double count = static_cast<double>(seen.cols()) * static_cast<double>(acceleration.cols());
-    return kFolded / count * (seen * seen.adjoint()).real();
+    // What noise leaves by chance is no covariance: without its negative parts.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts((seen * seen.adjoint()).real() / count - noise);
+    return kFolded * parts.eigenvectors() * parts.eigenvalues().cwiseMax(0.0).asDiagonal() *
+           parts.eigenvectors().transpose();
 }
 
 namespace {

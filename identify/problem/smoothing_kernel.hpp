@@ -19,7 +19,7 @@ namespace wems::identify {
 
 /// Covariance of (a, alpha) of the mobile part above those of the fixed part by folding at low frequencies, as white
 /// noise up to half the sampling rate; m²/s⁴ and so on. One contact bends both: they belong together. Zero for a part
-/// whose displacements were measured.
+/// whose accelerations were not measured; what the channels' noise has there is left out.
 Eigen::Matrix<double, 12, 12> calcAliasing(const RunMotion& run);
 
 // Low-pass filtering with exactly matching derivatives: a compact test function and its first two derivatives.

@@ -87,24 +87,29 @@ double calcNoiseVariance(const FreeRun& free, const MountModel& model) {
     constexpr double passed = 0.512;
     const double twice_integrated =
         2 * run.interval * passed / (std::pow(kTwoPi, 4) * std::pow(kComparedMargin * run.trusted_from, 3));
+    const auto isIntegrated = [](const PartMotion& part) {
+        return !part.displacement_measured && part.acceleration_measured;
+    };
     const auto square = [&](const PartMotion& part, std::size_t side) {
         if (free.displacement_noise.at(side)) return *free.displacement_noise.at(side);
-        const bool integrated = !part.displacement_measured && part.acceleration_measured;
+        const bool integrated = isIntegrated(part);
         const double noise = integrated ? part.acceleration_noise : part.displacement_noise;
         if (!std::isfinite(noise)) return 0.0;
         if (!integrated) return noise * noise;
         return std::min(1.0, 2.0 / static_cast<double>(connections)) * noise * noise * twice_integrated;
     };
+    const double by_mobile = isIntegrated(run.mobile) ? 1 : 0, by_fixed = isIntegrated(run.fixed) ? 1 : 0;
     double folded = 0;
-    const auto aliasing = calcAliasing(run);
-    if (!aliasing.isZero(0.0))
+    if (by_mobile + by_fixed > 0) {
+        const auto aliasing = calcAliasing(run);
         for (std::size_t i = 0; i < connections; ++i)
             for (int a = 0; a < 3; ++a) {
                 const auto d = calcAxisDirection(model, static_cast<int>(i), a);
                 Eigen::Matrix<double, 12, 1> relative;
-                relative << d, -d;
+                relative << by_mobile * d, -by_fixed * d;
                 folded += relative.dot(aliasing * relative) / static_cast<double>(3 * connections) * twice_integrated;
             }
+    }
     return square(run.mobile, 0) + square(run.fixed, 1) + folded;
 }
 
