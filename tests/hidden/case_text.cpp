@@ -38,7 +38,8 @@ json formatEffect(const Effect& effect, const MountModel& truth) {
     return entry;
 }
 
-/// True gain and rotation of each triax: its own error and the hidden fault together, which act in this order.
+/// True gain, rotation and place of each triax: its own error and the hidden fault together, which act in this order.
+/// A place counts from where the believed model has the connection. And the corner of AC coupling.
 void addSensors(const HiddenCase& hidden, const std::string& side, const std::string& prefix, const TriaxErrors& errors,
                 bool rotations, json& values) {
     const std::size_t count = hidden.set_up.oneAxis() ? 1 : hidden.truth.connections.size();
@@ -56,7 +57,11 @@ void addSensors(const HiddenCase& hidden, const std::string& side, const std::st
         }
         for (int a = 0; rotations && !turned && a < 3; ++a)
             values[triax + ".r" + kAxes[a]] = errors.rotation(a, column);
+        const Eigen::Vector3d place =
+            errors.place.col(column) + hidden.truth.connections[i].position - hidden.believed.connections[i].position;
+        for (int a = 0; a < 3; ++a) values[triax + (prefix.empty() ? "" : ".a") + ".position." + kAxes[a]] = place[a];
     }
+    if (!prefix.empty() && hidden.sensors.coupling > 0) values[side + ".a.corner"] = hidden.sensors.coupling;
 }
 
 /// Every number of the device as a result would name it.
@@ -68,6 +73,7 @@ json listParameters(const HiddenCase& hidden, const MountModel& truth) {
     for (const char* name : {"Ixx", "Iyy", "Izz"}) add(std::string("body.inertia.") + name);
     for (const auto& connection : truth.connections)
         for (std::size_t a = 0; a < 3; ++a) {
+            values[connection.name + ".position." + kAxes[a]] = connection.position[static_cast<Eigen::Index>(a)];
             const auto& law = connection.axis[a];
             const std::string axis = connection.name + "." + kAxes[a];
             if (law.stiffness == 0) continue;
