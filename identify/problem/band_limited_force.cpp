@@ -30,6 +30,17 @@ double calcMeanTanh(double from, double to) {
     return (calcLogCosh(to) - calcLogCosh(from)) / (to - from);
 }
 
+/// How that mean answers to both ends of the argument.
+std::array<double, 2> calcMeanTanhSlopes(double from, double to) {
+    if (std::min(from, to) > kSaturated || std::max(from, to) < -kSaturated) return {0, 0};
+    if (std::abs(to - from) < 1e-3) {
+        const double tanh = std::tanh(0.5 * (from + to)), half = 0.5 * (1 - tanh * tanh);
+        return {half, half};
+    }
+    const double mean = calcMeanTanh(from, to);
+    return {(mean - std::tanh(from)) / (to - from), (std::tanh(to) - mean) / (to - from)};
+}
+
 /// Equal pieces that each half of an interval is summed over: what an edge still errs by falls with the square of their
 /// number, to a 256th of what samples alone give.
 constexpr int kOfHalf = 8, kOfInterval = 2 * kOfHalf;
@@ -101,6 +112,34 @@ Eigen::VectorXd calcSlidingDirection(const Eigen::VectorXd& v, double transition
         const double before = k > 0 ? 0.5 * (x[k - 1] + x[k]) : x[k];
         const double after = k + 1 < count ? 0.5 * (x[k] + x[k + 1]) : x[k];
         mean[k] = 0.5 * (calcMeanTanh(before, x[k]) + calcMeanTanh(x[k], after));
+    }
+    return restoreCurvature(mean);
+}
+
+SlidingDerivative::SlidingDerivative(const Eigen::VectorXd& v, double transition_velocity) {
+    const Eigen::VectorXd x = v / transition_velocity;
+    const Eigen::Index count = x.size();
+    weights_.setZero(3, count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const bool first = k == 0, last = k + 1 == count;
+        const double before = first ? x[k] : 0.5 * (x[k - 1] + x[k]), after = last ? x[k] : 0.5 * (x[k] + x[k + 1]);
+        const std::array<double, 2> rising = calcMeanTanhSlopes(before, x[k]),
+                                    falling = calcMeanTanhSlopes(x[k], after);
+        if (!first) weights_(0, k) = 0.25 * rising[0];
+        weights_(1, k) =
+            (first ? 0.5 : 0.25) * rising[0] + 0.5 * rising[1] + 0.5 * falling[0] + (last ? 0.5 : 0.25) * falling[1];
+        if (!last) weights_(2, k) = 0.25 * falling[1];
+    }
+    weights_ /= transition_velocity;
+}
+
+Eigen::VectorXd SlidingDerivative::apply(const Eigen::Ref<const Eigen::VectorXd>& v) const {
+    const Eigen::Index count = weights_.cols();
+    Eigen::VectorXd mean(count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+        mean[k] = weights_(1, k) * v[k];
+        if (k > 0) mean[k] += weights_(0, k) * v[k - 1];
+        if (k + 1 < count) mean[k] += weights_(2, k) * v[k + 1];
     }
     return restoreCurvature(mean);
 }

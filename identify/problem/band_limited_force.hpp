@@ -22,6 +22,19 @@ namespace wems::identify {
 /// @param transition_velocity v_t, m/s
 Eigen::VectorXd calcSlidingDirection(const Eigen::VectorXd& v, double transition_velocity);
 
+/// How that answers to a small change of the velocity: a reversal that comes earlier or later.
+class SlidingDerivative {
+public:
+    SlidingDerivative() = default;
+    /// About these velocities, as calcSlidingDirection has them.
+    SlidingDerivative(const Eigen::VectorXd& v, double transition_velocity);
+    /// @param v change of the velocity (m/s) at the samples
+    Eigen::VectorXd apply(const Eigen::Ref<const Eigen::VectorXd>& v) const;
+
+private:
+    Eigen::Matrix3Xd weights_;  // of the sample before, the own, and the next, s/m
+};
+
 /// Force of the stops of a law (N, sign of q) at the samples, along the cubics through all samples with their
 /// velocities.
 /// @param q, v displacement (m) and velocity (m/s) at the samples; @param interval s

@@ -58,7 +58,8 @@ void Lineariser::prepareColumns() {
         const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
         mean_stiffness_ += axis_tangents_.back().meanStiffness() * d * d.transpose();
         mean_damping_ += axis_tangents_.back().meanDamping() * d * d.transpose();
-        if ((tangent_.row(row).array() != rest_tangent_[row]).any()) touched_[row] = in_contact_ = true;
+        touched_[row] = (tangent_.row(row).array() != rest_tangent_[row]).any();
+        varies_ = varies_ || axis_tangents_.back().isBeyondMean();
     }
     for (Eigen::Index row = 0; row < axes; ++row) {
         const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
@@ -265,11 +266,11 @@ Eigen::MatrixXcd Lineariser::calcMotionColumn(const SensorEffect& effect) const 
         white += whiten(effect.wrench.topRows(6) + effect.wrench.bottomRows(6), bracket);
     }
     if (!with_bracket_) white.bottomRows(6).setZero();
-    if (!in_contact_) return white;
+    if (!varies_) return white;
     const double sign = mobile ? 1.0 : -1.0;
     Eigen::MatrixXd contact = Eigen::MatrixXd::Zero(6, open_.sampleCount());
     for (Eigen::Index row = 0; row < tangent_.rows(); ++row) {
-        if (!touched_[row]) continue;
+        if (!axis_tangents_[row].isBeyondMean()) continue;
         const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
         Eigen::Matrix3Xd q = Eigen::Matrix3Xd::Zero(3, open_.sampleCount());
         for (const auto& change : effect.changes) q += sign * d.dot(change.direction) * change.series;

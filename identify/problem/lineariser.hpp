@@ -79,13 +79,14 @@ public:
     /// free decay.
     Eigen::MatrixXcd calcTransient(int mode, bool sine) const;
 
-    /// What a sensor's error makes of one part's motion, with its series where inContact(). @return whitened
+    /// What a sensor's error makes of one part's motion, with its series where varies(). @return whitened
     Eigen::MatrixXcd calcMotionColumn(const SensorEffect& effect) const;
 
     /// Needs prepareColumns().
     TurningWrench makeTurningWrench(Part part) const;
 
-    bool inContact() const { return in_contact_; }
+    /// Whether some law answers to a change of the motion otherwise than as its mean stiffness and damping do.
+    bool varies() const { return varies_; }
     const MotionNoise& motionNoise() const { return motion_noise_; }
 
     Eigen::MatrixXcd whitenDirection(const Vector6& d) const;
@@ -125,7 +126,7 @@ private:
     Matrix6 mean_stiffness_ = Matrix6::Zero(), mean_damping_ = Matrix6::Zero();  // of the relative motion
     Eigen::VectorXd rest_tangent_;
     std::vector<char> touched_;
-    bool in_contact_ = false;
+    bool varies_ = false;
     std::vector<Eigen::MatrixXcd> axis_white_;
     std::vector<Modal> modal_;
     Eigen::MatrixXcd inputs_, input_spectra_, white_;
