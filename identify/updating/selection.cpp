@@ -45,9 +45,13 @@ public:
         standing_.judged = judge_(state_.point, state_.set);
         int round = 0;
         do {
-            while (round < kMostRounds && step(round)) ++round;
+            while (round < kMostRounds && step(round)) {
+                ++round;
+                comeToRest();
+            }
             settled_.finish(standing_);
         } while (nameBeyond() && takeFewer());
+        comeToRest();
         dropWorthless();
         dropOtherForm();
         result_.fitted = state_.point;
@@ -78,6 +82,14 @@ private:
             makeEvidence(problem_, view, state_.set, state_.scales, false).calcPosterior(state_.set).covariance;
         problem_.assume(assumed);
         return posterior;
+    }
+
+    /// A set is taken after the few steps that tell it from others. What follows compares with it, and the answer gives
+    /// its numbers.
+    void comeToRest() {
+        if (problem_.numbers() == Numbers::exact) return;  // settled before they are taken
+        settler_.settle(state_, kMostSettling, true);
+        standing_.judged = judge_(state_.point, state_.set);
     }
 
     void tell(const std::string& text) const {

@@ -82,7 +82,6 @@ void TolerantSearch::begin(const SetState& present) {
     noise_alone_ = isNoiseAlone(all, misfits);
     present_ = settler_.calcLogEvidence(present);
     fitted_.clear();
-    reached_.insert(present.set);
 }
 
 /// The likeliest set with one cause less than the present one that is more so and serves: what was taken first may have

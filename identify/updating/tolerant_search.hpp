@@ -76,7 +76,7 @@ private:
     double present_ = 0;        // log evidence of the round's set
     std::vector<FittedSet> fitted_;
     std::vector<int> needed_;
-    std::set<HypothesisSet> reached_;  // sets that were settled to their end and judged
+    std::set<HypothesisSet> reached_;  // sets with one cause less that were settled to their end and judged
 };
 
 }  // namespace wems::identify::updating

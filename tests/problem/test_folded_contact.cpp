@@ -27,7 +27,7 @@ TEST_CASE("Short contacts that no filter has rounded leave both kinds of sensor 
             for (AxisLaw& law : connection.axis)
                 for (Stop& stop : law.stops) stop.stiffness *= 5;
     const TestProblem problem({hidden::recordRun(hidden, 0, seed)}, {}, hidden.base);
-    const TestInformation left = problem.misfit(problem.believedPoint());
+    const TestMisfit left = problem.misfit(problem.believedPoint());
     for (const Block block : {Block::mount, Block::bracket}) {
         const BlockInformation& own = left.identification[indexOf(block)];
         CAPTURE(own.chi_squared, own.count);
