@@ -120,7 +120,12 @@ public:
     }
     void addWhite(Eigen::Index column, const Eigen::MatrixXcd& white, bool mount = true) {
         if (white.size() == 0) return;
-        if (mount) mount_.set(column, unfold(white.topRows(6)));
+        if (mount) {
+            mount_.set(column, unfold(white.topRows(6)));
+            Eigen::VectorXd bursts = at_.calcBursts(white);
+            if (column < static_cast<Eigen::Index>(noisy_.size()) && bursts.size() > 0)
+                bursts_.emplace_back(column, std::move(bursts));
+        }
         if (at_.hasBracket()) bracket_.set(column, unfold(white.bottomRows(6)));
     }
 
@@ -128,21 +133,24 @@ public:
 
     void addLaw(Eigen::Index column, int connection, int axis, const TestState& from, const TestState& to,
                 double step) {
-        Eigen::VectorXd burst;
-        addWhite(column, at_.calcLawColumn(from, to, connection, axis, step, burst));
+        addWhite(column, at_.calcLawColumn(from, to, connection, axis, step));
         const auto change = noise_.calcLawChange(from, to, connection, axis, step);
         slopes_[column] = noise_.calcSlope(change);
         noisy_[column] = noise_.makeLaw(change);
         slopes_[column] += noise_.calcContactSlope(from, to, connection, axis, step);
-        if (burst.size() > 0) bursts_[3 * connection + axis].emplace_back(column, std::move(burst));
     }
 
-    /// Of columns of the same axis, whose bursts are the same.
     Eigen::MatrixXd calcScatter(Eigen::Index size) const {
         Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(size, size);
-        for (const auto& [axis, members] : bursts_)
-            for (const auto& [i, a] : members)
-                for (const auto& [j, b] : members) scatter(i, j) = a.dot(b);
+        if (bursts_.empty()) return scatter;
+        Eigen::MatrixXd bursts(bursts_.front().second.size(), bursts_.size());
+        for (std::size_t i = 0; i < bursts_.size(); ++i) bursts.col(static_cast<Eigen::Index>(i)) = bursts_[i].second;
+        Eigen::MatrixXd products = Eigen::MatrixXd::Zero(bursts.cols(), bursts.cols());
+        products.selfadjointView<Eigen::Lower>().rankUpdate(bursts.transpose());
+        products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
+        std::vector<Eigen::Index> rows;
+        for (const auto& [column, own] : bursts_) rows.push_back(column);
+        scatter(rows, rows) = products;
         return scatter;
     }
 
@@ -280,7 +288,7 @@ private:
     BlockColumns mount_, bracket_;
     std::vector<ColumnNoise::Slope> slopes_;
     std::vector<ColumnNoise::Column> noisy_;
-    std::map<int, std::vector<std::pair<Eigen::Index, Eigen::VectorXd>>> bursts_;
+    std::vector<std::pair<Eigen::Index, Eigen::VectorXd>> bursts_;
 };
 
 }  // namespace

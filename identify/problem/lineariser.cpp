@@ -48,7 +48,6 @@ void Lineariser::prepareColumns() {
     forces_.resize(axes, open_.sampleCount());
     tangent_.resize(axes, open_.sampleCount());
     rest_tangent_.resize(axes);
-    touched_.assign(axes, false);
     for (Eigen::Index row = 0; row < axes; ++row) {
         const AxisLaw& law = model_.connections[row / 3].axis[row % 3];
         forces_.row(row) = calcAxisForce(open_, law, static_cast<int>(row / 3), static_cast<int>(row % 3)).transpose();
@@ -58,7 +57,7 @@ void Lineariser::prepareColumns() {
         const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
         mean_stiffness_ += axis_tangents_.back().meanStiffness() * d * d.transpose();
         mean_damping_ += axis_tangents_.back().meanDamping() * d * d.transpose();
-        touched_[row] = (tangent_.row(row).array() != rest_tangent_[row]).any();
+        if ((tangent_.row(row).array() != rest_tangent_[row]).any()) addContact(row, d);
         varies_ = varies_ || axis_tangents_.back().isBeyondMean();
     }
     for (Eigen::Index row = 0; row < axes; ++row) {
@@ -69,6 +68,17 @@ void Lineariser::prepareColumns() {
         if (!with_bracket_) white.bottomRows(6).setZero();
         axis_white_.push_back(std::move(white));
     }
+}
+
+void Lineariser::addContact(Eigen::Index row, const Vector6& direction) {
+    const Eigen::ArrayXd stop = tangent_.row(row).transpose().array() - tangent_.row(row).mean();
+    const Eigen::ArrayXd beyond = (stop.square() - stop.square().mean()).max(0.0);
+    Contact contact{direction, {}, {}};
+    for (Eigen::Index k = 0; k < beyond.size(); ++k)
+        if (beyond[k] > 0) contact.instants.push_back(k);
+    const std::size_t axis = row;
+    contact.deviation = (open_.taper.array() * (noise_.contactVariance(axis) * beyond).sqrt())(contact.instants);
+    contacts_.push_back(std::move(contact));
 }
 
 Lineariser::Modal Lineariser::makeModal(const BracketMode& mode) const {
@@ -114,7 +124,7 @@ Eigen::MatrixXcd Lineariser::transformMount(const Eigen::MatrixXd& wrench) const
 }
 
 Eigen::MatrixXcd Lineariser::calcLawColumn(const TestState& from, const TestState& to, int connection, int axis,
-                                           double step, Eigen::VectorXd& burst) const {
+                                           double step) const {
     const auto c = static_cast<std::size_t>(connection), a = static_cast<std::size_t>(axis);
     const Eigen::VectorXd before = &from.model == &model_
                                        ? forces_.row(3 * connection + axis).transpose().eval()
@@ -125,7 +135,6 @@ Eigen::MatrixXcd Lineariser::calcLawColumn(const TestState& from, const TestStat
     const Eigen::MatrixXcd spectrum = spectra_.transform(change.transpose());
     Eigen::MatrixXcd white = axis_white_[3 * c + a];
     for (Eigen::Index b = 0; b < white.cols(); ++b) white.col(b) *= spectrum(0, b);
-    burst = calcBurst(spectrum.row(0).transpose(), 3 * c + a);
     if (slow_) {
         const Vector6 d = calcAxisDirection(model_, connection, axis);
         white -= whiten(spectra_.transform(slow_->calcForces(slow_->solve(change, d))), {});
@@ -133,19 +142,23 @@ Eigen::MatrixXcd Lineariser::calcLawColumn(const TestState& from, const TestStat
     return white;
 }
 
-Eigen::VectorXd Lineariser::calcBurst(const Eigen::VectorXcd& spectrum, std::size_t row) const {
-    const Eigen::Index axis = row;
-    if (touched_[row] == 0) return {};
-    Eigen::VectorXcd weighted(spectrum.size());
-    for (Eigen::Index b = 0; b < spectrum.size(); ++b)
-        weighted[b] = axis_white_[row].col(b).squaredNorm() * spectrum[b];
-    const Eigen::VectorXd series = spectra_.calcSeries(weighted);
-    const Eigen::ArrayXd stop = tangent_.row(axis).transpose().array() - tangent_.row(axis).mean();
-    const Eigen::ArrayXd beyond = (stop.square() - stop.square().mean()).max(0.0);
-    std::vector<Eigen::Index> inside;
-    for (Eigen::Index k = 0; k < beyond.size(); ++k)
-        if (beyond[k] > 0) inside.push_back(k);
-    return (series.array() * open_.taper.array() * (noise_.contactVariance(row) * beyond).sqrt())(inside);
+Eigen::VectorXd Lineariser::calcBursts(const Eigen::MatrixXcd& white) const {
+    Eigen::Index count = 0;
+    for (const Contact& contact : contacts_) count += contact.deviation.size();
+    if (count == 0) return {};
+    Eigen::MatrixXcd weighted(6, white.cols());
+    for (Eigen::Index b = 0; b < white.cols(); ++b)
+        weighted.col(b) = noise_.whitener(b).topLeftCorner<6, 6>().adjoint() * white.col(b).head<6>();
+    Eigen::MatrixXd series(open_.sampleCount(), 6);
+    for (Eigen::Index i = 0; i < 6; ++i) series.col(i) = spectra_.calcSeries(weighted.row(i).transpose());
+    Eigen::VectorXd bursts(count);
+    Eigen::Index first = 0;
+    for (const Contact& contact : contacts_) {
+        const Eigen::VectorXd along = series * contact.direction;
+        bursts.segment(first, contact.deviation.size()) = along(contact.instants).cwiseProduct(contact.deviation);
+        first += contact.deviation.size();
+    }
+    return bursts;
 }
 
 void Lineariser::calcBodyColumn(const TestState& to, double step, Eigen::MatrixXcd& mount,

@@ -45,14 +45,13 @@ public:
     Eigen::MatrixXcd transformMount(const Eigen::MatrixXd& wrench) const;
 
     /// Whitened: the force's spectrum along the whitened direction of its axis.
-    /// @param[out] burst what noise of the displacement in contact makes of the column's product with the residual
-    Eigen::MatrixXcd calcLawColumn(const TestState& from, const TestState& to, int connection, int axis, double step,
-                                   Eigen::VectorXd& burst) const;
+    Eigen::MatrixXcd calcLawColumn(const TestState& from, const TestState& to, int connection, int axis,
+                                   double step) const;
 
     /// The noise's covariance spreads evenly what a stop's stiffness makes of the displacement's noise; it comes in the
-    /// instants of contact, where the columns of that stop have all they have. At each of those instants: the column's
-    /// weight there times the deviation of the noise beyond the even one.
-    Eigen::VectorXd calcBurst(const Eigen::VectorXcd& spectrum, std::size_t row) const;
+    /// instants of contact. At each of those instants of each stop: what a whitened column (12 x bins) has there, times
+    /// the deviation of the noise beyond the even one. Empty without contact.
+    Eigen::VectorXd calcBursts(const Eigen::MatrixXcd& white) const;
 
     /// A change dM of the mass matrix, or of the spin.
     void calcBodyColumn(const TestState& to, double step, Eigen::MatrixXcd& mount, Eigen::MatrixXcd& bracket) const;
@@ -101,6 +100,7 @@ private:
         Eigen::RowVectorXcd force, motion;
         Eigen::MatrixXcd white;
     };
+    void addContact(Eigen::Index row, const Vector6& direction);
     Modal makeModal(const BracketMode& mode) const;
     /// At the bins, of a history that follows from its cause as a mode does: the whole response is tapered, as the
     /// residual's is. The response to what is tapered is another, by the slope of the window times the mode's memory.
@@ -125,7 +125,13 @@ private:
     std::vector<AxisTangent> axis_tangents_;
     Matrix6 mean_stiffness_ = Matrix6::Zero(), mean_damping_ = Matrix6::Zero();  // of the relative motion
     Eigen::VectorXd rest_tangent_;
-    std::vector<char> touched_;
+    /// Of an axis that touches a stop: instants of contact, and the noise's deviation there beyond the even one, N.
+    struct Contact {
+        Vector6 direction;
+        std::vector<Eigen::Index> instants;
+        Eigen::VectorXd deviation;
+    };
+    std::vector<Contact> contacts_;
     bool varies_ = false;
     std::vector<Eigen::MatrixXcd> axis_white_;
     std::vector<Modal> modal_;

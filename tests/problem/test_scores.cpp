@@ -69,3 +69,36 @@ TEST_CASE("At the truth nothing but noise moves any number", "[scores]") {
             CHECK(std::abs(mean[block][i]) < 5 * 1.3 / std::sqrt(draws));
         }
 }
+
+// What noise leaves in contact comes in bursts, in every column that has a part there: A alone knew too much of
+// masses, stiffnesses and sensors beside a stop, and moved the stop to fit. Three seeds: 1.1 to 1.8 with bursts, 2.6 to
+// 7.4 by A alone; the columns hang together, so that a mean over them all scatters as a few values do.
+TEST_CASE("In contact noise moves all numbers as bursts do", "[scores]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const MountModel model = identify::testing::makeRandomDevice(random);
+    identify::testing::RunPlan plan;
+    plan.duration = 12;
+    plan.force = {20, 30, 200};
+    plan.noise = 1e-15;
+    const Recording exact = recordRun(model, plan, random);
+    constexpr int draws = 8;
+    double by_bursts = 0, by_even = 0, count = 0;
+    for (int draw = 0; draw < draws; ++draw) {
+        const TestProblem problem({addNoise(exact, 5e-6, random)}, {}, model);
+        const TestView view = problem.view(problem.believedPoint());
+        const BlockInformation& block = view.identification[indexOf(Block::mount)];
+        const Eigen::VectorXd slope = block.b - block.noise_slopes.rowwise().sum();
+        for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(problem.table().size()); ++i) {
+            if (!(block.A(i, i) > 0)) continue;
+            by_bursts += slope[i] * slope[i] / (block.A(i, i) + block.scatter(i, i));
+            by_even += slope[i] * slope[i] / block.A(i, i);
+            ++count;
+        }
+    }
+    CAPTURE(by_bursts / count, by_even / count);
+    CHECK(by_bursts < 3 * count);
+    CHECK(by_bursts > 0.3 * count);
+    CHECK(by_bursts < 0.8 * by_even);
+}
