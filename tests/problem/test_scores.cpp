@@ -15,6 +15,15 @@ using namespace wems::identify::updating;
 
 namespace {
 
+/// Displacements of a device without noise, in a sweep of 12 s.
+Recording recordExact(const MountModel& model, const Eigen::Vector3d& force, std::mt19937_64& random) {
+    identify::testing::RunPlan plan;
+    plan.duration = 12;
+    plan.force = force;
+    plan.noise = 1e-15;
+    return recordRun(model, plan, random);
+}
+
 /// The displacements with noise of their own.
 Recording addNoise(Recording recording, double deviation, std::mt19937_64& random) {
     std::normal_distribution<double> normal(0, deviation);
@@ -44,11 +53,7 @@ TEST_CASE("At the truth nothing but noise moves any number", "[scores]") {
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     const MountModel model = identify::testing::makeRandomDevice(random);
-    identify::testing::RunPlan plan;
-    plan.duration = 12;
-    plan.force = {2, 3, 8};  // clear of the stops
-    plan.noise = 1e-15;
-    const Recording exact = recordRun(model, plan, random);
+    const Recording exact = recordExact(model, {2, 3, 8}, random);  // clear of the stops
     constexpr int draws = 6;
     std::vector<Eigen::VectorXd> mean(2);
     std::vector<std::string> names;
@@ -78,11 +83,7 @@ TEST_CASE("In contact noise moves all numbers as bursts do", "[scores]") {
     CAPTURE(seed);
     std::mt19937_64 random(seed);
     const MountModel model = identify::testing::makeRandomDevice(random);
-    identify::testing::RunPlan plan;
-    plan.duration = 12;
-    plan.force = {20, 30, 200};
-    plan.noise = 1e-15;
-    const Recording exact = recordRun(model, plan, random);
+    const Recording exact = recordExact(model, {20, 30, 200}, random);
     constexpr int draws = 8;
     double by_bursts = 0, by_even = 0, count = 0;
     for (int draw = 0; draw < draws; ++draw) {
