@@ -28,10 +28,16 @@ Eigen::MatrixXcd Fourier::forward(const Eigen::Ref<const Eigen::MatrixXd>& rows)
 Eigen::MatrixXcd Fourier::forward(const Eigen::Ref<const Eigen::MatrixXd>& rows,
                                   const Eigen::Ref<const Eigen::VectorXd>& window, Eigen::Index first,
                                   Eigen::Index count) const {
-    Eigen::MatrixXcd result(rows.rows(), count);
-    Eigen::VectorXd windowed(rows.cols());
-    for (Eigen::Index r = 0; r < rows.rows(); ++r) {
-        windowed = rows.row(r).transpose().cwiseProduct(window);
+    return forwardSamples(rows.transpose(), window, first, count);
+}
+
+Eigen::MatrixXcd Fourier::forwardSamples(const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                                         const Eigen::Ref<const Eigen::VectorXd>& window, Eigen::Index first,
+                                         Eigen::Index count) const {
+    Eigen::MatrixXcd result(samples.cols(), count);
+    Eigen::VectorXd windowed(samples.rows());
+    for (Eigen::Index r = 0; r < samples.cols(); ++r) {
+        windowed = samples.col(r).cwiseProduct(window);
         result.row(r) = transform_.forward(windowed).segment(first, count).transpose();
     }
     return result;

@@ -25,6 +25,10 @@ public:
     Eigen::MatrixXcd forward(const Eigen::Ref<const Eigen::MatrixXd>& rows,
                              const Eigen::Ref<const Eigen::VectorXd>& window, Eigen::Index first,
                              Eigen::Index count) const;
+    /// The same of samples x rows.
+    Eigen::MatrixXcd forwardSamples(const Eigen::Ref<const Eigen::MatrixXd>& samples,
+                                    const Eigen::Ref<const Eigen::VectorXd>& window, Eigen::Index first,
+                                    Eigen::Index count) const;
     /// The inverse, its first `samples` columns.
     Eigen::MatrixXd inverse(const Eigen::Ref<const Eigen::MatrixXcd>& spectra, int samples) const;
 

@@ -315,7 +315,7 @@ LinearisedRun linearise(Lineariser& at, const TestRun& run, const SensorLayout& 
                      sensors->addSecondOrder({at.makeTurningWrench(Part::mobile), at.makeTurningWrench(Part::fixed)});
                  }});
     for (std::size_t i = 0; i < columns.table->size(); ++i) {
-        const SensorEffect effect = sensors->calcEffect(i, at.varies());
+        const SensorEffect effect = sensors->calcEffect(i);
         if (effect.changes.empty()) continue;
         maker.addWhite(i, at.calcMotionColumn(effect));
         maker.setNoise(i, effect);

@@ -60,6 +60,7 @@ void Lineariser::prepareColumns() {
         if ((tangent_.row(row).array() != rest_tangent_[row]).any()) addContact(row, d);
         varies_ = varies_ || axis_tangents_.back().isBeyondMean();
     }
+    spanContacts();
     for (Eigen::Index row = 0; row < axes; ++row) {
         const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
         Eigen::MatrixXcd white(12, spectra_.binCount());
@@ -73,12 +74,24 @@ void Lineariser::prepareColumns() {
 void Lineariser::addContact(Eigen::Index row, const Vector6& direction) {
     const Eigen::ArrayXd stop = tangent_.row(row).transpose().array() - tangent_.row(row).mean();
     const Eigen::ArrayXd beyond = (stop.square() - stop.square().mean()).max(0.0);
-    Contact contact{direction, {}, {}};
+    Contact contact{direction, {}, {}, {}};
     for (Eigen::Index k = 0; k < beyond.size(); ++k)
         if (beyond[k] > 0) contact.instants.push_back(k);
     const std::size_t axis = row;
     contact.deviation = (open_.taper.array() * (noise_.contactVariance(axis) * beyond).sqrt())(contact.instants);
     contacts_.push_back(std::move(contact));
+}
+
+/// What a column has at the instants of contact is asked for along a basis of the touched axes' directions.
+void Lineariser::spanContacts() {
+    if (contacts_.empty()) return;
+    Eigen::MatrixXd directions(6, contacts_.size());
+    for (std::size_t i = 0; i < contacts_.size(); ++i)
+        directions.col(static_cast<Eigen::Index>(i)) = contacts_[i].direction;
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(directions);
+    const Eigen::MatrixXd basis = factor.householderQ() * Eigen::MatrixXd::Identity(6, factor.rank());
+    contact_basis_ = basis;
+    for (Contact& contact : contacts_) contact.along_basis = basis.transpose() * contact.direction;
 }
 
 Lineariser::Modal Lineariser::makeModal(const BracketMode& mode) const {
@@ -111,11 +124,14 @@ Eigen::MatrixXcd Lineariser::whiten(const Eigen::MatrixXcd& mount, const Eigen::
     for (Eigen::Index b = 0; b < white.cols(); ++b) {
         const Matrix12c& L = noise_.whitener(b);
         Eigen::Map<Vector12c> values(&white(0, b));
-        if (mount.size() > 0) values += L.leftCols<6>().lazyProduct(Eigen::Map<const Vector6c>(&mount(0, b)));
-        if (bracket.size() > 0)
+        if (mount.size() > 0) {
+            const Eigen::Map<const Vector6c> own(&mount(0, b));
+            values.head<6>() += L.topLeftCorner<6, 6>().lazyProduct(own);
+            if (with_bracket_) values.tail<6>() += L.bottomLeftCorner<6, 6>().lazyProduct(own);
+        }
+        if (with_bracket_ && bracket.size() > 0)
             values.tail<6>() += L.bottomRightCorner<6, 6>().lazyProduct(Eigen::Map<const Vector6c>(&bracket(0, b)));
     }
-    if (!with_bracket_) white.bottomRows(6).setZero();
     return white;
 }
 
@@ -146,16 +162,18 @@ Eigen::VectorXd Lineariser::calcBursts(const Eigen::MatrixXcd& white) const {
     Eigen::Index count = 0;
     for (const Contact& contact : contacts_) count += contact.deviation.size();
     if (count == 0) return {};
-    Eigen::MatrixXcd weighted(6, white.cols());
-    for (Eigen::Index b = 0; b < white.cols(); ++b)
-        weighted.col(b) = noise_.whitener(b).topLeftCorner<6, 6>().adjoint() * white.col(b).head<6>();
-    Eigen::MatrixXd series(open_.sampleCount(), 6);
-    for (Eigen::Index i = 0; i < 6; ++i) series.col(i) = spectra_.calcSeries(weighted.row(i).transpose());
+    Eigen::MatrixXcd weighted(white.cols(), contact_basis_.cols());
+    for (Eigen::Index b = 0; b < white.cols(); ++b) {
+        const Vector6c own = noise_.whitener(b).topLeftCorner<6, 6>().adjoint() * white.col(b).head<6>();
+        weighted.row(b) = own.transpose() * contact_basis_;
+    }
+    Eigen::MatrixXd series(open_.sampleCount(), weighted.cols());
+    for (Eigen::Index i = 0; i < weighted.cols(); ++i) series.col(i) = spectra_.calcSeries(weighted.col(i));
     Eigen::VectorXd bursts(count);
     Eigen::Index first = 0;
     for (const Contact& contact : contacts_) {
-        const Eigen::VectorXd along = series * contact.direction;
-        bursts.segment(first, contact.deviation.size()) = along(contact.instants).cwiseProduct(contact.deviation);
+        const Eigen::VectorXd along = series(contact.instants, Eigen::all) * contact.along_basis;
+        bursts.segment(first, contact.deviation.size()) = along.cwiseProduct(contact.deviation);
         first += contact.deviation.size();
     }
     return bursts;
@@ -260,45 +278,56 @@ Eigen::MatrixXcd Lineariser::calcTransient(int mode, bool sine) const {
 }
 
 Eigen::MatrixXcd Lineariser::calcMotionColumn(const SensorEffect& effect) const {
-    const bool mobile = effect.part == Part::mobile;
     Eigen::MatrixXcd white = Eigen::MatrixXcd::Zero(12, spectra_.binCount());
-    for (const auto& change : effect.changes) {
-        const Vector6c direction = change.direction.cast<Complex>();
-        for (Eigen::Index b = 0; b < white.cols(); ++b)
-            Eigen::Map<Vector12c>(&white(0, b)) +=
-                change.spectrum[b] *
-                noise_.whitenedMotion(b).middleCols<6>(mobile ? 0 : 6).lazyProduct(direction).eval();
+    const Eigen::Index first = effect.part == Part::mobile ? 0 : 6;
+    for (Eigen::Index b = 0; b < white.cols(); ++b) {
+        Vector6c motion = Vector6c::Zero();
+        for (const auto& change : effect.changes) motion += change.spectrum[b] * change.direction.cast<Complex>();
+        if (effect.correction.size() > 0) motion += effect.correction.col(b);
+        const auto whitened = noise_.whitenedMotion(b).middleCols<6>(first);
+        Eigen::Map<Vector12c> values(&white(0, b));
+        values.head<6>() = whitened.topRows<6>().lazyProduct(motion);
+        if (with_bracket_) values.tail<6>() = whitened.bottomRows<6>().lazyProduct(motion);
     }
-    for (Eigen::Index b = 0; b < effect.correction.cols(); ++b)
-        Eigen::Map<Vector12c>(&white(0, b)) +=
-            noise_.whitenedMotion(b).middleCols<6>(mobile ? 0 : 6).lazyProduct(effect.correction.col(b)).eval();
+    Eigen::MatrixXcd mount, bracket;
+    if (varies_) mount = spectra_.transform(calcBeyondMean(effect));
     if (effect.wrench.size() > 0) {
-        Eigen::MatrixXcd bracket(6, effect.wrench.cols());
+        const Eigen::MatrixXcd wrench = effect.wrench.topRows(6) + effect.wrench.bottomRows(6);
+        mount = mount.size() > 0 ? Eigen::MatrixXcd(mount + wrench) : wrench;
+        if (with_bracket_) bracket.resize(6, wrench.cols());
         for (Eigen::Index b = 0; b < bracket.cols(); ++b)
             bracket.col(b) = -(noise_.receptance(b) * effect.wrench.col(b).head<6>());
-        white += whiten(effect.wrench.topRows(6) + effect.wrench.bottomRows(6), bracket);
     }
-    if (!with_bracket_) white.bottomRows(6).setZero();
-    if (!varies_) return white;
+    if (mount.size() > 0) white += whiten(mount, bracket);
+    return white;
+}
+
+Eigen::MatrixXd Lineariser::calcBeyondMean(const SensorEffect& effect) const {
+    const bool mobile = effect.part == Part::mobile;
     const double sign = mobile ? 1.0 : -1.0;
     Eigen::MatrixXd contact = Eigen::MatrixXd::Zero(6, open_.sampleCount());
     for (Eigen::Index row = 0; row < tangent_.rows(); ++row) {
         if (!axis_tangents_[row].isBeyondMean()) continue;
         const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
-        Eigen::Matrix3Xd q = Eigen::Matrix3Xd::Zero(3, open_.sampleCount());
-        for (const auto& change : effect.changes) q += sign * d.dot(change.direction) * change.series;
-        contact += d * axis_tangents_[row].calcBeyondMean(q.row(0).transpose(), q.row(1).transpose()).transpose();
+        Eigen::VectorXd q = Eigen::VectorXd::Zero(open_.sampleCount()), v = q;
+        for (const auto& group : effect.groups) {
+            const Vector6 weights = sign * group.turn.transpose() * d;
+            q.noalias() += group.signals->at(0) * weights;
+            v.noalias() += group.signals->at(1) * weights;
+        }
+        contact.noalias() += d * axis_tangents_[row].calcBeyondMean(q, v).transpose();
     }
-    if (!slow_) return white + whiten(spectra_.transform(contact), {});
+    if (!slow_) return contact;
     // The slow motion follows what contact and the mean laws make together: what an error has below the band is
     // balanced, as the slow motion itself.
     Eigen::MatrixXd all = contact;
-    for (const auto& change : effect.changes) {
-        all += sign * mean_stiffness_ * change.direction * change.series.row(0);
-        all += sign * mean_damping_ * change.direction * change.series.row(1);
-        if (mobile) all += calcMassMatrix(model_.body) * change.direction * change.series.row(2);
+    for (const auto& group : effect.groups) {
+        const Matrix6 stiffness = sign * mean_stiffness_ * group.turn, damping = sign * mean_damping_ * group.turn;
+        all.noalias() += stiffness * group.signals->at(0).transpose();
+        all.noalias() += damping * group.signals->at(1).transpose();
+        if (mobile) all.noalias() += (calcMassMatrix(model_.body) * group.turn) * group.signals->at(2).transpose();
     }
-    return white + whiten(spectra_.transform(contact - slow_->calcForces(slow_->solve(all))), {});
+    return contact - slow_->calcForces(slow_->solve(all));
 }
 
 TurningWrench Lineariser::makeTurningWrench(Part part) const {

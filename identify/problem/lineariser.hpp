@@ -78,7 +78,7 @@ public:
     /// free decay.
     Eigen::MatrixXcd calcTransient(int mode, bool sine) const;
 
-    /// What a sensor's error makes of one part's motion, with its series where varies(). @return whitened
+    /// What a sensor's error makes of one part's motion. @return whitened
     Eigen::MatrixXcd calcMotionColumn(const SensorEffect& effect) const;
 
     /// Needs prepareColumns().
@@ -100,7 +100,10 @@ private:
         Eigen::RowVectorXcd force, motion;
         Eigen::MatrixXcd white;
     };
+    /// Wrench (6 x samples) that contact makes of an error beyond the mean laws, and the slow motion that follows.
+    Eigen::MatrixXd calcBeyondMean(const SensorEffect& effect) const;
     void addContact(Eigen::Index row, const Vector6& direction);
+    void spanContacts();
     Modal makeModal(const BracketMode& mode) const;
     /// At the bins, of a history that follows from its cause as a mode does: the whole response is tapered, as the
     /// residual's is. The response to what is tapered is another, by the slope of the window times the mode's memory.
@@ -130,8 +133,10 @@ private:
         Vector6 direction;
         std::vector<Eigen::Index> instants;
         Eigen::VectorXd deviation;
+        Eigen::VectorXd along_basis;
     };
     std::vector<Contact> contacts_;
+    Eigen::MatrixXd contact_basis_;  // 6 x directions that are independent
     bool varies_ = false;
     std::vector<Eigen::MatrixXcd> axis_white_;
     std::vector<Modal> modal_;

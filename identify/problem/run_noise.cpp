@@ -119,6 +119,10 @@ Eigen::MatrixXcd EquationSpectra::transform(const Eigen::Ref<const Eigen::Matrix
     return fourier_.forward(rows, run_->taper, first_, bins_);
 }
 
+Eigen::MatrixXcd EquationSpectra::transformSamples(const Eigen::Ref<const Eigen::MatrixXd>& samples) const {
+    return fourier_.forwardSamples(samples, run_->taper, first_, bins_);
+}
+
 Eigen::MatrixXd EquationSpectra::calcPower(const Eigen::Ref<const Eigen::MatrixXd>& rows) const {
     const double spacing = 1 / (fourier_.size() * run_->interval);
     return smoothPower(transform(rows), static_cast<Eigen::Index>(0.5 * kSmoothedOver * run_->band.lowest / spacing));

@@ -43,6 +43,8 @@ public:
     double frequency(Eigen::Index bin) const;  ///< Hz
     /// rows x bins, tapered.
     Eigen::MatrixXcd transform(const Eigen::Ref<const Eigen::MatrixXd>& rows) const;
+    /// The same of samples x rows.
+    Eigen::MatrixXcd transformSamples(const Eigen::Ref<const Eigen::MatrixXd>& samples) const;
     /// 2 Re Σ_b value · exp(iωt) at each sample: what one sample adds to the product with a spectrum.
     Eigen::VectorXd calcSeries(const Eigen::VectorXcd& values) const;
     /// Power that white noise of unit variance in the recording has at a bin.

@@ -1,6 +1,6 @@
 #include "identify/problem/second_order.hpp"
 
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <limits>
 
@@ -20,13 +20,13 @@ enum Turning { rotation, velocity, acceleration, push, other_rotation, other_pla
 /// An output has no more time derivatives than an acceleration, and a force none.
 struct Kind {
     Eigen::Index coordinate;  // three of each Turning, then forces
-    int derivative;           // of the signal
+    std::size_t derivative;   // of the signal
 };
 
 std::vector<Kind> listKinds(Eigen::Index forces) {
     constexpr struct {
         Turning turning;
-        int derivative;
+        std::size_t derivative;
     } kPairs[] = {{rotation, 0},     {rotation, 1}, {rotation, 2},       {velocity, 0},   {velocity, 1},
                   {acceleration, 0}, {push, 0},     {other_rotation, 0}, {other_place, 0}};
     std::vector<Kind> kinds;
@@ -76,9 +76,10 @@ Eigen::MatrixXd differentiate(const TurningOutputs& outputs, Eigen::Index forces
 SecondOrder::SecondOrder(const SmoothPart& part, const SmoothPart& other, const Eigen::MatrixXd& forces,
                          const Signals& signals, const EquationSpectra& spectra, const TurningOutputs& outputs) {
     const Eigen::Index samples = part.p.cols(), bins = spectra.binCount();
-    Eigen::MatrixXd coordinates(3 * kTurnings + forces.rows(), samples);  // as Kind counts them
-    coordinates << part.theta, part.w, part.alpha, part.a, other.theta, other.p - part.p, forces;
-    std::vector<Eigen::MatrixXd> products;
+    Eigen::MatrixXd coordinates(samples, 3 * kTurnings + forces.rows());  // as Kind counts them
+    coordinates << part.theta.transpose(), part.w.transpose(), part.alpha.transpose(), part.a.transpose(),
+        other.theta.transpose(), (other.p - part.p).transpose(), forces.transpose();
+    std::vector<Eigen::MatrixXf> products;
     for (const Kind& kind : listKinds(forces.rows())) {
         double largest = 0;
         Eigen::MatrixXd coefficients = differentiate(outputs, forces.rows(), kind, largest);
@@ -86,14 +87,11 @@ SecondOrder::SecondOrder(const SmoothPart& part, const SmoothPart& other, const 
         // output, over the steps.
         constexpr double kRounding = 10 * std::numeric_limits<double>::epsilon() / (kStep * kStep);
         if (coefficients.cwiseAbs().maxCoeff() <= kRounding * largest) continue;
-        Eigen::MatrixXd rows(6, samples);
-        for (std::size_t m = 0; m < signals.size(); ++m)
-            rows.row(static_cast<Eigen::Index>(m)) =
-                coordinates.row(kind.coordinate).cwiseProduct(signals[m].row(kind.derivative));
-        rows.colwise() -= rows.rowwise().mean().eval();
-        const Eigen::MatrixXcd spectrum = spectra.transform(rows);
+        Eigen::MatrixXd product = coordinates.col(kind.coordinate).asDiagonal() * signals.at(kind.derivative);
+        product.rowwise() -= product.colwise().mean().eval();
+        const Eigen::MatrixXcd spectrum = spectra.transformSamples(product);
         products.emplace_back(6, 2 * bins);
-        products.back() << spectrum.real(), spectrum.imag();
+        products.back() << spectrum.real().cast<float>(), spectrum.imag().cast<float>();
         coefficients_.push_back(std::move(coefficients));
     }
     products_.resize(6 * static_cast<Eigen::Index>(products.size()), 2 * bins);
@@ -101,14 +99,21 @@ SecondOrder::SecondOrder(const SmoothPart& part, const SmoothPart& other, const 
         products_.middleRows(6 * static_cast<Eigen::Index>(i), 6) = products[i];
 }
 
-Eigen::MatrixXcd SecondOrder::calc(const Matrix6& C) const {
+Eigen::MatrixXcf SecondOrder::calc(const Matrix6& C) const {
     if (coefficients_.empty()) return {};
-    Eigen::MatrixXd weights(coefficients_.front().rows(), products_.rows());
-    for (std::size_t i = 0; i < coefficients_.size(); ++i)
-        weights.middleCols(6 * static_cast<Eigen::Index>(i), 6) = coefficients_[i] * C;
-    const Eigen::MatrixXd all = weights * products_;
+    // An error of one channel moves the part along one direction by one signal: C = U S Vᵀ has few of each. The signals
+    // are taken together first.
+    const Eigen::JacobiSVD<Matrix6> svd(C, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::Index rank = svd.rank(), kinds = coefficients_.size();
+    const auto U = svd.matrixU().leftCols(rank) * svd.singularValues().head(rank).asDiagonal();
+    Eigen::MatrixXf weights(coefficients_.front().rows(), rank * kinds);
+    for (Eigen::Index i = 0; i < kinds; ++i)
+        weights.middleCols(rank * i, rank) = (coefficients_[static_cast<std::size_t>(i)] * U).cast<float>();
+    const Eigen::MatrixXf signals =
+        svd.matrixV().leftCols(rank).transpose().cast<float>() * products_.reshaped(6, kinds * products_.cols());
+    const Eigen::MatrixXf all = weights * signals.reshaped(rank * kinds, products_.cols());
     const Eigen::Index bins = all.cols() / 2;
-    Eigen::MatrixXcd result(all.rows(), bins);
+    Eigen::MatrixXcf result(all.rows(), bins);
     result.real() = all.leftCols(bins);
     result.imag() = all.rightCols(bins);
     return result;

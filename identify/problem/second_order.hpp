@@ -43,8 +43,8 @@ struct TurningWrench {
 
 class SecondOrder {
 public:
-    /// Six signals with their first two derivatives, each 3 x samples.
-    using Signals = std::array<Eigen::Matrix3Xd, 6>;
+    /// Six signals (samples x 6), their first and their second derivatives.
+    using Signals = std::array<Eigen::Matrix<double, Eigen::Dynamic, 6>, 3>;
 
     /// @param other part, whose motion the outputs meet too; @param forces rows x samples
     SecondOrder(const SmoothPart& part, const SmoothPart& other, const Eigen::MatrixXd& forces, const Signals& signals,
@@ -52,11 +52,11 @@ public:
 
     /// Of a motion whose six coordinates (translation above rotation, m and rad) are C times the signals: outputs x
     /// bins, tapered.
-    Eigen::MatrixXcd calc(const Matrix6& C) const;
+    Eigen::MatrixXcf calc(const Matrix6& C) const;
 
 private:
     std::vector<Eigen::MatrixXd> coefficients_;  // of each kind of product: outputs x 6 directions
-    Eigen::MatrixXd products_;                   // spectra, a row for each kind and signal; real beside imaginary parts
+    Eigen::MatrixXf products_;                   // spectra, a row for each kind and signal; real beside imaginary parts
 };
 
 }  // namespace wems::identify

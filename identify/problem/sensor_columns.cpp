@@ -28,6 +28,11 @@ bool isSensor(UnknownKind kind) {
     }
 }
 
+/// The kind with the same transfer: a turn and a place change a channel by what it reads, as a gain does.
+UnknownKind likeOf(UnknownKind kind) {
+    return kind == UnknownKind::channel_delay || kind == UnknownKind::corner ? kind : UnknownKind::channel_gain;
+}
+
 /// What a unit error makes of a channel's spectrum beside its signal: a delay differentiates, AC coupling integrates.
 Complex calcTransfer(UnknownKind kind, double w) {
     if (kind == UnknownKind::channel_delay) return {0, -w};
@@ -87,7 +92,7 @@ double SensorColumns::calcWeight(const Group& group, double w) const {
     return group.derivative == Derivative::displacement ? weights.displacement : -weights.acceleration / (w * w);
 }
 
-Eigen::Matrix3Xd SensorColumns::calcDerivatives(const Eigen::RowVectorXcd& spectrum, const Group& group,
+Eigen::MatrixX3d SensorColumns::calcDerivatives(const Eigen::RowVectorXcd& spectrum, const Group& group,
                                                 UnknownKind kind) const {
     Eigen::MatrixXcd all = spectrum.replicate<3, 1>();
     const double bin = kTwoPi / (fourier_.size() * run_.interval),
@@ -101,7 +106,7 @@ Eigen::Matrix3Xd SensorColumns::calcDerivatives(const Eigen::RowVectorXcd& spect
         all(1, k) *= Complex(0, w) * factor;
         all(2, k) *= -w * w * factor;
     }
-    return fourier_.inverse(all, run_.sampleCount());
+    return fourier_.inverse(all, run_.sampleCount()).transpose();
 }
 
 Eigen::RowVectorXd SensorColumns::calcReading(const SensorChannel& channel, const Group& group) const {
@@ -171,25 +176,23 @@ std::vector<SensorColumns::Change> SensorColumns::calcChanges(const Unknown& row
     return changes;
 }
 
-SensorEffect SensorColumns::calcEffect(std::size_t row, bool with_series) const {
+SensorEffect SensorColumns::calcEffect(std::size_t row) const {
     SensorEffect effect;
     const Unknown& unknown = table_[row];
     for (const Change& change : changes_[row]) {
         const Group& group = groups_[change.group];
         effect.part = group.part;
-        SensorEffect::ChannelChange own{change.signal,
-                                        group.inverse.col(change.channel),
+        SensorEffect::ChannelChange own{change.signal, group.inverse.col(change.channel),
                                         weights_.at({change.group, unknown.kind}),
-                                        Eigen::VectorXcd(change.spectrum.size()),
-                                        {}};
+                                        Eigen::VectorXcd(change.spectrum.size())};
         for (Eigen::Index b = 0; b < own.spectrum.size(); ++b)
             own.spectrum[b] = -calcWeight(group, spectra_.angular(b)) * change.spectrum[b];
-        if (with_series) {
-            Vector6 from;
-            const Eigen::RowVectorXd signal = calcSignal(unknown, group, change.channel, from);
-            own.series = -calcDerivatives(fourier_.forward(signal), group, unknown.kind);
-        }
         effect.changes.push_back(std::move(own));
+    }
+    for (const auto& [of, signals] : signals_) {
+        if (of.second != likeOf(unknown.kind)) continue;
+        const Matrix6 turn = calcMotionChange(row, of.first);
+        if (!turn.isZero(0.0)) effect.groups.push_back({turn, signals});
     }
     if (second_.empty() || second_[row].size() == 0) return effect;
     const Eigen::MatrixXcd second = second_[row].cast<Complex>();
@@ -221,8 +224,11 @@ SecondOrder::Signals SensorColumns::calcSignals(const Group& group, UnknownKind 
     rows.colwise() -= rows.rowwise().mean().eval();
     const Eigen::MatrixXcd spectrum = fourier_.forward(rows);
     SecondOrder::Signals signals;
-    for (Eigen::Index m = 0; m < rows.rows(); ++m)
-        signals[static_cast<std::size_t>(m)] = -calcDerivatives(spectrum.row(m), group, kind);
+    for (auto& derivative : signals) derivative.resize(run_.sampleCount(), 6);
+    for (Eigen::Index m = 0; m < rows.rows(); ++m) {
+        const Eigen::MatrixX3d own = calcDerivatives(spectrum.row(m), group, kind);
+        for (Eigen::Index k = 0; k < 3; ++k) signals[static_cast<std::size_t>(k)].col(m) = -own.col(k);
+    }
     return signals;
 }
 
@@ -249,7 +255,6 @@ Matrix6 SensorColumns::calcMotionChange(std::size_t row, std::size_t group) cons
 }
 
 void SensorColumns::addSecondOrder(const std::array<TurningWrench, 2>& wrenches) {
-    // One for each transfer: a turn and a place change a channel by what it reads, as a gain does.
     constexpr UnknownKind kKinds[] = {UnknownKind::channel_gain, UnknownKind::channel_delay, UnknownKind::corner};
     second_.assign(table_.size(), {});
     for (const Part part : {Part::mobile, Part::fixed}) {
@@ -261,14 +266,17 @@ void SensorColumns::addSecondOrder(const std::array<TurningWrench, 2>& wrenches)
             for (const UnknownKind like : kKinds) {
                 std::optional<SecondOrder> order;
                 for (std::size_t i = 0; i < changes_.size(); ++i) {
-                    const UnknownKind kind = table_[i].kind;
-                    if (calcTransfer(kind, 1.0) != calcTransfer(like, 1.0)) continue;
+                    if (likeOf(table_[i].kind) != like) continue;
                     const Matrix6 C = calcMotionChange(i, g);
                     if (C.isZero(0.0)) continue;
-                    if (!order)
+                    if (!order) {
+                        const auto signals =
+                            std::make_shared<const SecondOrder::Signals>(calcSignals(groups_[g], like));
+                        signals_[{g, like}] = signals;
                         order.emplace(mobile ? run_.mobile : run_.fixed, mobile ? run_.fixed : run_.mobile,
-                                      wrench.forces, calcSignals(groups_[g], like), spectra_, outputs);
-                    const Eigen::MatrixXcf own = order->calc(C).cast<std::complex<float>>();
+                                      wrench.forces, *signals, spectra_, outputs);
+                    }
+                    const Eigen::MatrixXcf own = order->calc(C);
                     if (second_[i].size() == 0)
                         second_[i] = own;
                     else if (own.size() > 0)

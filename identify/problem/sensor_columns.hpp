@@ -24,7 +24,7 @@ namespace wems::identify {
 
 /// Change of a part's motion (translation above rotation, as displacement) by a unit of an error.
 struct SensorEffect {
-    /// Of one channel: the motion moves by `spectrum`, or `series`, along `direction`.
+    /// Of one channel: the motion moves by `spectrum` along `direction`.
     struct ChannelChange {
         Vector6 signal;     ///< by which the channel's change follows from the motion
         Vector6 direction;  ///< in which the channel moves the fused motion
@@ -32,10 +32,15 @@ struct SensorEffect {
         /// kind.
         std::shared_ptr<const Eigen::VectorXcd> weight;
         Eigen::VectorXcd spectrum;  ///< tapered, at each bin
-        Eigen::Matrix3Xd series;    ///< of all samples, and its two derivatives; empty unless asked for
+    };
+    /// Of the channels of a group: the motion moves by `turn` times signals that all errors of a kind share.
+    struct GroupChange {
+        Matrix6 turn;
+        std::shared_ptr<const SecondOrder::Signals> signals;
     };
     Part part = Part::mobile;
     std::vector<ChannelChange> changes;  ///< none: the unknown is no sensor's
+    std::vector<GroupChange> groups;     ///< the same at the samples, to first order; after addSecondOrder
     /// Beyond first order (SecondOrder): of the motion (6 x bins), and beside it of what is demanded of the mobile part
     /// above what the laws give (12 x bins). Empty where it is nothing.
     Eigen::MatrixXcd correction, wrench;
@@ -49,11 +54,11 @@ public:
                   const EquationSpectra& spectra, const MotionNoise& noise, const UnknownTable& table,
                   const std::vector<char>& wanted);
 
-    /// Forms what the errors do beyond first order: before calcEffect and calcInformation.
+    /// Forms what the errors do at the samples and beyond first order: before calcEffect and calcInformation.
     /// @param wrenches by the mobile and by the fixed part's motion
     void addSecondOrder(const std::array<TurningWrench, 2>& wrenches);
 
-    SensorEffect calcEffect(std::size_t row, bool with_series) const;
+    SensorEffect calcEffect(std::size_t row) const;
 
     /// What the channels of a part say beyond its rigid motion.
     /// @param size columns of the information; those of the table come first
@@ -86,7 +91,7 @@ private:
     std::vector<Change> calcChanges(const Unknown& row) const;
     /// What a change of that spectrum in a channel of a group is as a displacement in the fused motion, with its two
     /// derivatives, at the samples.
-    Eigen::Matrix3Xd calcDerivatives(const Eigen::RowVectorXcd& spectrum, const Group& group, UnknownKind kind) const;
+    Eigen::MatrixX3d calcDerivatives(const Eigen::RowVectorXcd& spectrum, const Group& group, UnknownKind kind) const;
     /// Of the fused displacement by a channel's change at a bin.
     double calcWeight(const Group& group, double w) const;
     /// By which errors of a kind in a group move the part, for each coordinate of its motion.
@@ -116,6 +121,7 @@ private:
     std::vector<std::vector<Change>> changes_;  // of each row of the table
     std::vector<Eigen::MatrixXcf> second_;      // of each row: makeOutputs x bins; empty: nothing
     std::map<std::pair<std::size_t, UnknownKind>, std::shared_ptr<const Eigen::VectorXcd>> weights_;
+    std::map<std::pair<std::size_t, UnknownKind>, std::shared_ptr<const SecondOrder::Signals>> signals_;
 };
 
 }  // namespace wems::identify

@@ -137,10 +137,11 @@ SlowBalance::Weights SlowBalance::calcWeights(Eigen::Index sample) const {
 }
 
 Eigen::MatrixXd SlowBalance::project(const Eigen::Ref<const Eigen::MatrixXd>& residual) const {
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(6, splines_);
+    Matrix6X right = Matrix6X::Zero(6, splines_);
     for (Eigen::Index k = 0; k < residual.cols(); ++k) {
         const Weights& weights = weights_[k];
-        for (int i = 0; i < 4; ++i) right.col(weights.first + i) += taper_[k] * weights.value[0][i] * residual.col(k);
+        const Vector6 tapered = taper_[k] * residual.col(k);
+        for (int i = 0; i < 4; ++i) right.col(weights.first + i) += weights.value[0][i] * tapered;
     }
     return freedom_.asDiagonal() * right;
 }
@@ -178,8 +179,8 @@ Eigen::MatrixXd SlowBalance::calcMotion(const Eigen::Ref<const Eigen::VectorXd>&
     return sumSplines(coefficients.reshaped(6, splines_), derivative);
 }
 
-Eigen::MatrixXd SlowBalance::sumSplines(const Eigen::Ref<const Eigen::MatrixXd>& c, int derivative) const {
-    Eigen::MatrixXd sum(6, taper_.size());
+SlowBalance::Matrix6X SlowBalance::sumSplines(const Matrix6X& c, int derivative) const {
+    Matrix6X sum(6, taper_.size());
     for (Eigen::Index k = 0; k < sum.cols(); ++k) {
         const Eigen::Index first = weights_[k].first;
         const double* w = weights_[k].value[derivative];
@@ -190,7 +191,7 @@ Eigen::MatrixXd SlowBalance::sumSplines(const Eigen::Ref<const Eigen::MatrixXd>&
 
 Eigen::MatrixXd SlowBalance::calcForces(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const {
     const auto c = coefficients.reshaped(6, splines_);
-    Eigen::MatrixXd forces = sumSplines(at_rest_ * c, 0);
+    Matrix6X forces = sumSplines(at_rest_ * c, 0);
     for (const Contact& contact : contacts_) {
         const Weights& weights = weights_[contact.sample];
         const Vector6 moved = c.middleCols<4>(weights.first) * Eigen::Map<const Eigen::Vector4d>(weights.value[0]);

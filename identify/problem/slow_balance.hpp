@@ -56,6 +56,7 @@ public:
 
 private:
     using Matrix6 = Eigen::Matrix<double, 6, 6>;
+    using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
     struct Weights {
         Eigen::Index first;  // of the four splines
         double value[3][4];  // derivative, spline
@@ -67,7 +68,7 @@ private:
     void findStiffness(const OpenLoopRun& run, const MountModel& model, double held);
     Weights calcWeights(Eigen::Index sample) const;
     /// B c of six coefficients for each spline, or a derivative of it.
-    Eigen::MatrixXd sumSplines(const Eigen::Ref<const Eigen::MatrixXd>& c, int derivative) const;
+    Matrix6X sumSplines(const Matrix6X& c, int derivative) const;
     /// Bᵀ R, six for each spline.
     Eigen::MatrixXd project(const Eigen::Ref<const Eigen::MatrixXd>& residual) const;
 

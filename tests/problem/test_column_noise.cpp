@@ -51,7 +51,7 @@ TEST_CASE("Noise slopes by shared sums are those of each column by itself") {
             ++modes;
             checkAlike(noise.calcSlope(change), noise.calcSlope(noise.makeMode(change)));
         }
-        const SensorEffect effect = sensors.calcEffect(i, false);
+        const SensorEffect effect = sensors.calcEffect(i);
         if (effect.changes.empty()) continue;
         ++errors;
         checkAlike(noise.calcSlope(effect), noise.calcSlope(noise.makeSensor(effect)));
