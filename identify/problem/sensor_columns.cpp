@@ -15,19 +15,6 @@ using Complex = std::complex<double>;
 
 constexpr double kDependent = 1e-10;  // relative size of a singular value of motions that channels do not show
 
-bool isSensor(UnknownKind kind) {
-    switch (kind) {
-        case UnknownKind::channel_gain:
-        case UnknownKind::channel_delay:
-        case UnknownKind::triax_rotation:
-        case UnknownKind::station_place:
-        case UnknownKind::corner:
-            return true;
-        default:
-            return false;
-    }
-}
-
 /// The kind with the same transfer: a turn and a place change a channel by what it reads, as a gain does.
 UnknownKind likeOf(UnknownKind kind) {
     return kind == UnknownKind::channel_delay || kind == UnknownKind::corner ? kind : UnknownKind::channel_gain;
@@ -69,7 +56,7 @@ SensorColumns::SensorColumns(const TestRun& test, const SensorLayout& layout, co
     }
     changes_.resize(table.size());
     for (std::size_t i = 0; i < table.size(); ++i) {
-        if (!isSensor(table[i].kind) || !(wanted.empty() || wanted[i] != 0)) continue;
+        if (!isOfSensor(table[i].kind) || !(wanted.empty() || wanted[i] != 0)) continue;
         changes_[i] = calcChanges(table[i]);
         for (const Change& change : changes_[i]) addWeight(change.group, table[i].kind);
     }

@@ -56,6 +56,10 @@ double findDrivenFrom(const SweptFrequency& swept) {
     return lowest;
 }
 
+double calcNoiseResolution(const SweptFrequency& swept) {
+    return findDrivenFrom(swept) / kSpectrumBands;
+}
+
 /// A load has no redundancy under any drive.
 NoiseDensity findLoadNoise(const Eigen::Matrix3Xd& load, const ExcitedBand& band, double interval, double resolution) {
     int axes = 0;
@@ -99,6 +103,34 @@ Eigen::MatrixXd makeChannelDesign(const SensorLayout& layout, const std::vector<
     return design;
 }
 
+std::vector<NoiseDensity> estimateChannelNoise(const TestRun& run, const SensorLayout& layout) {
+    const double interval = run.motion.interval, driven = findDrivenFrom(run.swept),
+                 resolution = calcNoiseResolution(run.swept);
+    std::vector<NoiseDensity> noise;
+    for (std::size_t g = 0; g < layout.groups.size(); ++g) {
+        const GroupSamples samples = collectGroup(run.recording, layout, static_cast<int>(g));
+        if (samples.empty()) {
+            noise.emplace_back(0.0);
+            continue;
+        }
+        const auto& group = layout.groups[g];
+        int freedom = 0;
+        const Eigen::MatrixXd residual = calcRigidResidual(
+            layout, samples, group, group.part == Part::mobile ? run.motion.mobile : run.motion.fixed, freedom);
+        const auto rows = static_cast<int>(residual.rows());
+        const double least = kLeastNoise * kLeastNoise * meanSquare(samples.values);
+        if (freedom <= 0 && !run.swept.is_sine) {
+            noise.push_back(estimateNoiseBesideBand(residual, rows, run.band, interval, resolution, least));
+            continue;
+        }
+        // Without redundancy the channels themselves, in the quarter of the time in which a sweep is elsewhere.
+        noise.emplace_back(residual, freedom > 0 ? freedom : rows, interval, resolution, least);
+        // Below the sweep motion may be slow, and always there: the creep of a table was taken for 0.2 mm of noise.
+        if (freedom <= 0) noise.back().limitBelow(driven);
+    }
+    return noise;
+}
+
 TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, const MountModel& believed) {
     TestRun run;
     std::vector<std::string> notes;
@@ -111,32 +143,11 @@ TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, c
                          "a recording in which the device is driven or rings");
     run.band = {run.swept.lowest, run.swept.highest, kHarmonics, 0};
     run.motion = estimateMotion(run.recording, believed, ContactEdges::filtered);
-    const double interval = run.motion.interval, driven = findDrivenFrom(run.swept),
-                 resolution = driven / kSpectrumBands;
-    for (std::size_t g = 0; g < layout.groups.size(); ++g) {
-        const GroupSamples samples = collectGroup(run.recording, layout, static_cast<int>(g));
-        if (samples.empty()) {
-            run.noise.emplace_back(0.0);
-            continue;
-        }
-        const auto& group = layout.groups[g];
-        int freedom = 0;
-        const Eigen::MatrixXd residual = calcRigidResidual(
-            layout, samples, group, group.part == Part::mobile ? run.motion.mobile : run.motion.fixed, freedom);
-        const auto rows = static_cast<int>(residual.rows());
-        const double least = kLeastNoise * kLeastNoise * meanSquare(samples.values);
-        if (freedom <= 0 && !run.swept.is_sine) {
-            run.noise.push_back(estimateNoiseBesideBand(residual, rows, run.band, interval, resolution, least));
-            continue;
-        }
-        // Without redundancy the channels themselves, in the quarter of the time in which a sweep is elsewhere.
-        run.noise.emplace_back(residual, freedom > 0 ? freedom : rows, interval, resolution, least);
-        // Below the sweep motion may be slow, and always there: the creep of a table was taken for 0.2 mm of noise.
-        if (freedom <= 0) run.noise.back().limitBelow(driven);
-    }
+    run.noise = estimateChannelNoise(run, layout);
     if (reachesStops(makeOpenLoopRun(run.motion, believed, run.band, {}), believed))
         run.band.contact = calcContactFrequency(believed);
-    if (run.motion.load.cols() > 0) run.load_noise = findLoadNoise(run.motion.load, run.band, interval, resolution);
+    if (run.motion.load.cols() > 0)
+        run.load_noise = findLoadNoise(run.motion.load, run.band, run.motion.interval, calcNoiseResolution(run.swept));
     return run;
 }
 

@@ -25,6 +25,10 @@ struct TestRun {
 /// @param believed positions of sensors and the static rest are those of this model
 TestRun prepareTestRun(const Recording& recording, const SensorLayout& layout, const MountModel& believed);
 
+/// Noise of a channel of each group, as the recording and the rigid motions of a run show it: where channels have
+/// redundancy, what no rigid motion can make.
+std::vector<NoiseDensity> estimateChannelNoise(const TestRun& run, const SensorLayout& layout);
+
 /// Rows of a group that this recording has: indices into layout.channels and the samples (channels x samples).
 struct GroupSamples {
     std::vector<int> channels;

@@ -36,6 +36,9 @@ enum class UnknownKind {
     corner
 };
 
+/// Whether it is an error of what measures, not of the device.
+bool isOfSensor(UnknownKind kind);
+
 struct Unknown {
     UnknownKind kind = UnknownKind::law;
     std::string name;  ///< as results name it: `4.z.+.clearance`, `body.mass`, `mobile.1.az.gain`

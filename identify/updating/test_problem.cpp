@@ -10,7 +10,6 @@
 #include "identify/problem/lineariser.hpp"
 #include "identify/problem/open_loop_run.hpp"
 #include "identify/updating/missing_mode.hpp"
-#include "identify/verdict/free_error.hpp"
 #include "models/common/error.hpp"
 #include "models/model_tolerance.hpp"
 
@@ -80,6 +79,7 @@ TestProblem::TestProblem(const std::vector<Recording>& identification, const std
     carried_ = findCarried(table_, layout_);
     catalogue_ = makeCatalogue(table_, layout_, believed_, scales, reach, swept);
     pristine_ = remember();
+    calibrateNoise();
 }
 
 Eigen::VectorXd TestProblem::ownDeviations() const {
@@ -247,61 +247,6 @@ Eigen::VectorXd TestProblem::estimateOf(const TestPoint& point) const {
     Eigen::VectorXd estimate = point.values;
     for (std::size_t i = 0; i < table_.size(); ++i) estimate[i] -= table_[i].believed;
     return estimate;
-}
-
-DriveNoise TestProblem::calcDriveNoise(std::size_t index) const {
-    const TestRun& run = runs()[index];
-    DriveNoise noise;
-    noise.lowest = run.band.lowest;
-    noise.highest = run.band.highest;
-    if (run.motion.load.cols() > 0) noise.load = run.load_noise;
-    const PartMotion& fixed = run.motion.fixed;
-    for (std::size_t g = 0; g < layout_.groups.size(); ++g) {
-        if (layout_.groups[g].part != Part::fixed) continue;
-        const auto ofMotion = [&](const Matrix6& covariance) {
-            NoiseDensity density = run.noise[g];
-            density.scale(covariance.topLeftCorner<3, 3>().trace() / 3);
-            return density;
-        };
-        const bool displacement = layout_.groups[g].derivative == Derivative::displacement;
-        if (displacement && fixed.displacement_measured) noise.displacement = ofMotion(fixed.displacement_covariance);
-        if (!displacement && fixed.acceleration_measured) noise.acceleration = ofMotion(fixed.acceleration_covariance);
-        if (!displacement && run.motion.fixed_source == FixedSource::base)
-            noise.base = noise.acceleration = run.noise[g];
-    }
-    return noise;
-}
-
-TestProblem::ExactRun TestProblem::calcExactRun(std::size_t index, const TestPoint& point) const {
-    TestRun exact = point.state.sensors.isZero() ? runs()[index] : correctRun(runs()[index], point);
-    const Eigen::MatrixXd relative = calcMeasuredRelative(exact.recording, exact.motion, believed_);
-    return {std::move(exact.motion), relative};
-}
-
-TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point) const {
-    TestRun corrected = run;
-    corrected.recording = correctSensors(run.recording, layout_, point.state.sensors, run.band.lowest, &run.motion);
-    corrected.motion = estimateMotion(corrected.recording, believed_, ContactEdges::filtered);
-    // Taking a gain off a channel takes it off the channel's noise.
-    for (std::size_t g = 0; g < layout_.groups.size(); ++g) {
-        const auto& channels = layout_.groups[g].channels;
-        double square = 0;
-        for (const int c : channels) square += std::pow(1 + point.state.sensors.gain[c], -2);
-        if (!channels.empty()) corrected.noise[g].scale(square / static_cast<double>(channels.size()));
-    }
-    return corrected;
-}
-
-std::shared_ptr<const std::vector<TestRun>> TestProblem::correctRuns(const TestPoint& point) const {
-    const SensorErrors& errors = point.state.sensors;
-    if (errors.isZero()) return runs_;
-    if (!corrected_ || !(corrected_->errors == errors)) {
-        corrected_.reset();
-        std::vector<TestRun> corrected(runs().size());
-        runParallel(runs().size(), [&](std::size_t r) { corrected[r] = correctRun(runs()[r], point); });
-        corrected_ = CorrectedRuns{errors, std::make_shared<const std::vector<TestRun>>(std::move(corrected))};
-    }
-    return corrected_->runs;
 }
 
 PointEquations TestProblem::formEquations(const TestPoint& point) const {

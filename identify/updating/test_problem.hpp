@@ -131,6 +131,9 @@ private:
     bool isAdopted(int hypothesis) const;
     /// Prior standard deviation of each column by itself, outside all hypotheses.
     Eigen::VectorXd ownDeviations() const;
+    /// Measures the channels' noise again without what the sensors' errors make. A sweep shows its noise where it is
+    /// not; under a drive that fills its band the errors are always there, and passed for noise.
+    void calibrateNoise();
     /// A run as exact sensors would have recorded it, where they err.
     TestRun correctRun(const TestRun& run, const TestPoint& point) const;
     /// All of them; the last ones are kept. Not to be called by two threads.
