@@ -12,6 +12,7 @@ AxisTangent::AxisTangent(const OpenLoopRun& run, const AxisLaw& law, Eigen::Inde
     const DynamicStiffness whole = calcDynamicStiffness(run, law, row), without = calcDynamicStiffness(run, bare, row);
     stop_stiffness_ = whole.stiffness - without.stiffness;
     stop_damping_ = whole.damping - without.damping;
+    branches_ = whole.branches;
     if (law.friction && !law.friction->presliding_stiffness) {
         sliding_force_ = law.friction->force;
         sliding_ = SlidingDerivative(run.quiet.of(row), law.friction->transition_velocity);
@@ -38,6 +39,15 @@ Eigen::VectorXd AxisTangent::calcBeyondMean(const Eigen::Ref<const Eigen::Vector
                                             const Eigen::Ref<const Eigen::VectorXd>& v) const {
     return (spring_.array() - spring_.mean()).matrix().cwiseProduct(q) + stops_.apply(q, v) - stop_stiffness_ * q -
            stop_damping_ * v + calcOfPath(q, v);
+}
+
+std::complex<double> AxisTangent::calcRelaxing(double w) const {
+    std::complex<double> sum = 0;
+    for (const MaxwellBranch& branch : branches_) {
+        const std::complex<double> turned(0, w * branch.time_constant);
+        sum += branch.stiffness * turned / (1.0 + turned);
+    }
+    return sum;
 }
 
 }  // namespace wems::identify

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
+#include <vector>
 
 #include "identify/problem/band_limited_force.hpp"
 #include "identify/problem/open_loop_run.hpp"
@@ -30,6 +32,9 @@ public:
     /// Of slow motion, in the mean over the run: N/m, N s/m.
     double meanStiffness() const { return spring_.mean() + stop_stiffness_; }
     double meanDamping() const { return damping_ + stop_damping_; }
+    /// N/m, of what relaxes: Σ_b k_b iωτ / (1 + iωτ). Of slow motion it gives nothing.
+    std::complex<double> calcRelaxing(double w) const;
+    bool relaxes() const { return !branches_.empty(); }
 
 private:
     Eigen::VectorXd calcOfPath(const Eigen::Ref<const Eigen::VectorXd>& q,
@@ -43,6 +48,7 @@ private:
     double sliding_force_ = 0;  // N
     SlidingDerivative sliding_;
     bool is_beyond_mean_;
+    std::vector<MaxwellBranch> branches_;
 };
 
 }  // namespace wems::identify

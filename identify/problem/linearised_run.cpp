@@ -175,13 +175,14 @@ public:
                     setNoise(column, noise_.makePosition(row.first, row.second));
                     break;
                 case UnknownKind::body: {
+                    row.set(moved, row.get(state_) - row.step);
+                    const MobileBody behind = moved.model.body;
                     row.set(moved, row.get(state_) + row.step);
-                    at_.calcBodyColumn(moved, row.step, mount, bracket);
-                    setNoise(column,
-                             noise_.makeInertia(
-                                 (calcMassMatrix(moved.model.body) - calcMassMatrix(state_.model.body)) / row.step,
-                                 crossMatrix((state_.model.body.spin - moved.model.body.spin) / row.step)));
-                    moved.model.body = state_.model.body;
+                    const MobileBody ahead = std::exchange(moved.model.body, state_.model.body);
+                    const double apart = 2 * row.step;
+                    at_.calcBodyColumn(behind, ahead, apart, mount, bracket);
+                    setNoise(column, noise_.makeInertia((calcMassMatrix(ahead) - calcMassMatrix(behind)) / apart,
+                                                        crossMatrix((behind.spin - ahead.spin) / apart)));
                     break;
                 }
                 case UnknownKind::mode:

@@ -8,7 +8,6 @@
 #include "identify/problem/mount_equation.hpp"
 #include "models/axis_law.hpp"
 #include "models/bryant.hpp"
-#include "models/common/units.hpp"
 
 namespace wems::identify {
 namespace {
@@ -37,7 +36,6 @@ Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const Te
 }
 
 void Lineariser::prepareColumns() {
-    demand_ = calcDemand(open_, model_.body, model_.gravity);
     if (with_bracket_) {
         const Eigen::MatrixXd inputs = bracket_.calcInputs(model_);
         inputs_ = spectra_.transform(inputs);
@@ -92,31 +90,6 @@ void Lineariser::spanContacts() {
     const Eigen::MatrixXd basis = factor.householderQ() * Eigen::MatrixXd::Identity(6, factor.rank());
     contact_basis_ = basis;
     for (Contact& contact : contacts_) contact.along_basis = basis.transpose() * contact.direction;
-}
-
-Lineariser::Modal Lineariser::makeModal(const BracketMode& mode) const {
-    const Eigen::Index bins = spectra_.binCount();
-    const Eigen::RowVectorXcd force = calcParticipation(mode).transpose().cast<Complex>() * input_spectra_;
-    Modal modal{force, respond(force, [&](double w) { return calcModalResponse(mode, w); }), Eigen::MatrixXcd(6, bins)};
-    const Vector6c shape = calcShape(mode).cast<Complex>();
-    for (Eigen::Index b = 0; b < bins; ++b) modal.white.col(b) = noise_.whitener(b).bottomRightCorner<6, 6>() * shape;
-    return modal;
-}
-
-Eigen::RowVectorXcd Lineariser::respond(const Eigen::RowVectorXcd& spectrum,
-                                        const std::function<Complex(double w)>& response) const {
-    return transformFixed(bracket_.respond(spectrum, response));
-}
-
-Eigen::MatrixXcd Lineariser::transformBracket(Eigen::Index first, const Eigen::MatrixXd& inputs) const {
-    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(12, inputs.cols());
-    all.middleRows(first, inputs.rows()) = inputs;
-    return transformFixed(bracket_.calcPrediction(model_, all));
-}
-
-Eigen::MatrixXcd Lineariser::transformFixed(Eigen::MatrixXd series) const {
-    series.colwise() -= series.rowwise().mean().eval();
-    return spectra_.transform(series);
 }
 
 Eigen::MatrixXcd Lineariser::whiten(const Eigen::MatrixXcd& mount, const Eigen::MatrixXcd& bracket) const {
@@ -179,56 +152,38 @@ Eigen::VectorXd Lineariser::calcBursts(const Eigen::MatrixXcd& white) const {
     return bursts;
 }
 
-void Lineariser::calcBodyColumn(const TestState& to, double step, Eigen::MatrixXcd& mount,
-                                Eigen::MatrixXcd& bracket) const {
-    const Eigen::MatrixXd change = (calcDemand(open_, to.model.body, to.model.gravity) - demand_) / step;
+void Lineariser::calcBodyColumn(const MobileBody& behind, const MobileBody& ahead, double apart,
+                                Eigen::MatrixXcd& mount, Eigen::MatrixXcd& bracket) const {
+    const Eigen::MatrixXd change =
+        (calcDemand(open_, ahead, model_.gravity) - calcDemand(open_, behind, model_.gravity)) / apart;
     mount = transformMount(change);
     if (!with_bracket_) return;
     bracket = transformBracket(0, bracket_.calcWrench(change));
 }
 
 Eigen::MatrixXcd Lineariser::calcPositionColumn(int connection, int axis) const {
-    const Eigen::Vector3d e = Eigen::Vector3d::Unit(axis);
-    const Eigen::Matrix3Xd turn = open_.mobile.theta - open_.fixed.theta, rate = open_.mobile.w - open_.fixed.w;
+    // To second order in the turning, as the sensors' columns: both move together without a trace.
+    Eigen::Matrix3Xd q(3, open_.sampleCount()), v = q;
     Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(6, open_.sampleCount());
-    const Eigen::Matrix3d across = crossMatrix(-e);  // turn × e
-    for (int a = 0; a < 3; ++a) {
-        const Eigen::Index row = 3 * connection + a;
-        const Eigen::VectorXd change =
-            axis_tangents_[row].calcChange((across.row(a) * turn).transpose(), (across.row(a) * rate).transpose());
-        wrench += calcAxisDirection(model_, connection, a) * change.transpose();
-        wrench.bottomRows(3) += e.cross(Eigen::Vector3d::Unit(a)) * forces_.row(row);
+    for (Eigen::Index k = 0; k < q.cols(); ++k) {
+        const Eigen::Matrix3d &R_M = open_.mobile.R[k], &R_F = open_.fixed.R[k];
+        const Eigen::Vector3d arm = R_M.col(axis), rate = open_.mobile.w.col(k) - open_.fixed.w.col(k);
+        q.col(k) = R_F.transpose() * arm - Eigen::Vector3d::Unit(axis);
+        v.col(k) = R_F.transpose() * rate.cross(arm);
+        wrench.col(k).tail<3>() = arm.cross(R_F * forces_.col(k).segment<3>(3 * connection));
     }
-    return transformMount(wrench);
-}
-
-Eigen::MatrixXcd Lineariser::calcModeColumn(int mode, int which) const {
-    const BracketMode& own = model_.bracket[mode];
-    const Modal& modal = modal_[mode];
-    const double w0 = kTwoPi * own.frequency;
-    return modal.white * respond(modal.force, [&](double w) {
-                             const Complex h = calcModalResponse(own, w);
-                             const Complex slope = which == 0 ? Complex(2 * w0, 2 * own.damping_ratio * w) * kTwoPi
-                                                              : Complex(0, 2 * w0 * w);
-                             return -h * h * slope;
-                         }).asDiagonal();
-}
-
-Eigen::MatrixXcd Lineariser::calcShapeColumn(int mode, int entry) const {
-    const Modal& modal = modal_[mode];
-    const BracketMode& own = model_.bracket[mode];
-    // With a load point of the model's own the bracket's is not loaded.
-    Eigen::MatrixXcd white = modal.white * respond(input_spectra_.row(entry), [&](double w) {
-                                               return calcModalResponse(own, w);
-                                           }).asDiagonal();
-    for (Eigen::Index b = 0; entry < 6 && b < white.cols(); ++b)
-        white.col(b) += modal.motion[b] * noise_.whitener(b).bottomRightCorner<6, 6>().col(entry);
-    return white;
-}
-
-Eigen::MatrixXcd Lineariser::calcAddedMode(const BracketMode& mode) const {
-    const Modal modal = makeModal(mode);
-    return modal.white * modal.motion.asDiagonal();
+    Eigen::MatrixXcd relaxing = Eigen::MatrixXcd::Zero(6, spectra_.binCount());
+    for (int a = 0; a < 3; ++a) {
+        const AxisTangent& tangent = axis_tangents_[3 * connection + a];
+        const Eigen::VectorXd own = q.row(a).transpose();
+        addAxisWrench(open_, model_, connection, a, tangent.calcChange(own, v.row(a).transpose()), wrench);
+        if (!tangent.relaxes()) continue;
+        const Eigen::MatrixXcd spectrum = spectra_.transformSamples(own);
+        const Vector6c d = calcAxisDirection(model_, connection, a).cast<Complex>();
+        for (Eigen::Index b = 0; b < relaxing.cols(); ++b)
+            relaxing.col(b) += spectrum(0, b) * tangent.calcRelaxing(spectra_.angular(b)) * d;
+    }
+    return transformMount(wrench) + relaxing;
 }
 
 Eigen::MatrixXd Lineariser::calcLoadOf(int axis) const {
@@ -263,20 +218,6 @@ Eigen::MatrixXd Lineariser::calcHatLoad(const LoadHat& hat, double& share) const
     return load;
 }
 
-Eigen::MatrixXcd Lineariser::calcTransient(int mode, bool sine) const {
-    const BracketMode& own = model_.bracket[mode];
-    const double w = kTwoPi * own.frequency;
-    const Eigen::ArrayXd phase = w * open_.time.array();
-    const Eigen::RowVectorXd decay =
-        (-own.damping_ratio * phase).exp() * (sine ? phase.sin().eval() : phase.cos().eval());
-    const Eigen::MatrixXcd spectrum = spectra_.transform(decay);
-    const Vector6c shape = calcShape(own).cast<Complex>();
-    Eigen::MatrixXcd white(6, spectrum.cols());
-    for (Eigen::Index b = 0; b < white.cols(); ++b)
-        white.col(b) = noise_.whitener(b).bottomRightCorner<6, 6>() * shape * spectrum(0, b);
-    return white;
-}
-
 Eigen::MatrixXcd Lineariser::calcMotionColumn(const SensorEffect& effect) const {
     Eigen::MatrixXcd white = Eigen::MatrixXcd::Zero(12, spectra_.binCount());
     const Eigen::Index first = effect.part == Part::mobile ? 0 : 6;
@@ -290,7 +231,8 @@ Eigen::MatrixXcd Lineariser::calcMotionColumn(const SensorEffect& effect) const 
         if (with_bracket_) values.tail<6>() = whitened.bottomRows<6>().lazyProduct(motion);
     }
     Eigen::MatrixXcd mount, bracket;
-    if (varies_) mount = spectra_.transform(calcBeyondMean(effect));
+    if (!effect.groups.empty()) mount = calcEdges(effect);
+    if (varies_) mount += spectra_.transform(calcBeyondMean(effect));
     if (effect.wrench.size() > 0) {
         const Eigen::MatrixXcd wrench = effect.wrench.topRows(6) + effect.wrench.bottomRows(6);
         mount = mount.size() > 0 ? Eigen::MatrixXcd(mount + wrench) : wrench;
@@ -300,6 +242,19 @@ Eigen::MatrixXcd Lineariser::calcMotionColumn(const SensorEffect& effect) const 
     }
     if (mount.size() > 0) white += whiten(mount, bracket);
     return white;
+}
+
+Eigen::MatrixXcd Lineariser::calcEdges(const SensorEffect& effect) const {
+    const bool mobile = effect.part == Part::mobile;
+    const double sign = mobile ? 1.0 : -1.0;
+    Eigen::MatrixXcd edges = Eigen::MatrixXcd::Zero(6, spectra_.binCount());
+    for (const auto& group : effect.groups) {
+        const Matrix6 terms[] = {sign * mean_stiffness_ * group.turn, sign * mean_damping_ * group.turn,
+                                 calcMassMatrix(model_.body) * group.turn};
+        for (std::size_t k = 0; k < (mobile ? 3 : 2); ++k)
+            edges.noalias() += terms[k].cast<Complex>() * group.signals->edges.at(k);
+    }
+    return edges;
 }
 
 Eigen::MatrixXd Lineariser::calcBeyondMean(const SensorEffect& effect) const {
@@ -312,8 +267,8 @@ Eigen::MatrixXd Lineariser::calcBeyondMean(const SensorEffect& effect) const {
         Eigen::VectorXd q = Eigen::VectorXd::Zero(open_.sampleCount()), v = q;
         for (const auto& group : effect.groups) {
             const Vector6 weights = sign * group.turn.transpose() * d;
-            q.noalias() += group.signals->at(0) * weights;
-            v.noalias() += group.signals->at(1) * weights;
+            q.noalias() += group.signals->samples.at(0) * weights;
+            v.noalias() += group.signals->samples.at(1) * weights;
         }
         contact.noalias() += d * axis_tangents_[row].calcBeyondMean(q, v).transpose();
     }
@@ -323,9 +278,10 @@ Eigen::MatrixXd Lineariser::calcBeyondMean(const SensorEffect& effect) const {
     Eigen::MatrixXd all = contact;
     for (const auto& group : effect.groups) {
         const Matrix6 stiffness = sign * mean_stiffness_ * group.turn, damping = sign * mean_damping_ * group.turn;
-        all.noalias() += stiffness * group.signals->at(0).transpose();
-        all.noalias() += damping * group.signals->at(1).transpose();
-        if (mobile) all.noalias() += (calcMassMatrix(model_.body) * group.turn) * group.signals->at(2).transpose();
+        all.noalias() += stiffness * group.signals->samples.at(0).transpose();
+        all.noalias() += damping * group.signals->samples.at(1).transpose();
+        if (mobile)
+            all.noalias() += (calcMassMatrix(model_.body) * group.turn) * group.signals->samples.at(2).transpose();
     }
     return contact - slow_->calcForces(slow_->solve(all));
 }

@@ -54,7 +54,10 @@ public:
     Eigen::VectorXd calcBursts(const Eigen::MatrixXcd& white) const;
 
     /// A change dM of the mass matrix, or of the spin.
-    void calcBodyColumn(const TestState& to, double step, Eigen::MatrixXcd& mount, Eigen::MatrixXcd& bracket) const;
+    /// @param behind, ahead `apart` from each other about the state: what is demanded is quadratic in the centre of
+    ///     gravity
+    void calcBodyColumn(const MobileBody& behind, const MobileBody& ahead, double apart, Eigen::MatrixXcd& mount,
+                        Eigen::MatrixXcd& bracket) const;
 
     /// The connection's laws act where it is: relative displacement and lever both move.
     Eigen::MatrixXcd calcPositionColumn(int connection, int axis) const;
@@ -100,6 +103,9 @@ private:
         Eigen::RowVectorXcd force, motion;
         Eigen::MatrixXcd white;
     };
+    /// Spectra of the wrench that mean laws and inertia make of an error where the taper rises and falls, beyond those
+    /// of the tapered motion.
+    Eigen::MatrixXcd calcEdges(const SensorEffect& effect) const;
     /// Wrench (6 x samples) that contact makes of an error beyond the mean laws, and the slow motion that follows.
     Eigen::MatrixXd calcBeyondMean(const SensorEffect& effect) const;
     void addContact(Eigen::Index row, const Vector6& direction);
@@ -123,7 +129,7 @@ private:
     MotionNoise motion_noise_;
     RunNoise noise_;
     BracketEquation bracket_;
-    Eigen::MatrixXd demand_, mount_series_;
+    Eigen::MatrixXd mount_series_;
     AxisSeries forces_, tangent_;
     std::vector<AxisTangent> axis_tangents_;
     Matrix6 mean_stiffness_ = Matrix6::Zero(), mean_damping_ = Matrix6::Zero();  // of the relative motion

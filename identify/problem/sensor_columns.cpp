@@ -203,18 +203,28 @@ std::vector<std::size_t> SensorColumns::findGroups(Part part) const {
     return found;
 }
 
-SecondOrder::Signals SensorColumns::calcSignals(const Group& group, UnknownKind kind) const {
+SensorSignals SensorColumns::calcSignals(const Group& group, UnknownKind kind) const {
     const SmoothPart& part = group.part == Part::mobile ? run_.mobile : run_.fixed;
     const bool displacement = group.derivative == Derivative::displacement;
     Eigen::MatrixXd rows(6, run_.sampleCount());
     rows << (displacement ? part.p : part.a), (displacement ? part.theta : part.alpha);
     rows.colwise() -= rows.rowwise().mean().eval();
     const Eigen::MatrixXcd spectrum = fourier_.forward(rows);
-    SecondOrder::Signals signals;
-    for (auto& derivative : signals) derivative.resize(run_.sampleCount(), 6);
+    SensorSignals signals;
+    for (auto& derivative : signals.samples) derivative.resize(run_.sampleCount(), 6);
     for (Eigen::Index m = 0; m < rows.rows(); ++m) {
         const Eigen::MatrixX3d own = calcDerivatives(spectrum.row(m), group, kind);
-        for (Eigen::Index k = 0; k < 3; ++k) signals[static_cast<std::size_t>(k)].col(m) = -own.col(k);
+        for (Eigen::Index k = 0; k < 3; ++k) signals.samples[static_cast<std::size_t>(k)].col(m) = -own.col(k);
+    }
+    Eigen::MatrixXcd tapered = spectra_.transform(rows);
+    for (Eigen::Index b = 0; b < tapered.cols(); ++b) {
+        const double w = spectra_.angular(b);
+        tapered.col(b) *= -calcWeight(group, w) * calcTransfer(kind, w);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        signals.edges[k] = spectra_.transformSamples(signals.samples[k]);
+        for (Eigen::Index b = 0; b < tapered.cols(); ++b)
+            signals.edges[k].col(b) -= std::pow(Complex(0, spectra_.angular(b)), static_cast<int>(k)) * tapered.col(b);
     }
     return signals;
 }
@@ -257,11 +267,10 @@ void SensorColumns::addSecondOrder(const std::array<TurningWrench, 2>& wrenches)
                     const Matrix6 C = calcMotionChange(i, g);
                     if (C.isZero(0.0)) continue;
                     if (!order) {
-                        const auto signals =
-                            std::make_shared<const SecondOrder::Signals>(calcSignals(groups_[g], like));
+                        const auto signals = std::make_shared<const SensorSignals>(calcSignals(groups_[g], like));
                         signals_[{g, like}] = signals;
                         order.emplace(mobile ? run_.mobile : run_.fixed, mobile ? run_.fixed : run_.mobile,
-                                      wrench.forces, *signals, spectra_, outputs);
+                                      wrench.forces, signals->samples, spectra_, outputs);
                     }
                     const Eigen::MatrixXcf own = order->calc(C);
                     if (second_[i].size() == 0)

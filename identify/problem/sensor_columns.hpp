@@ -22,6 +22,14 @@
 
 namespace wems::identify {
 
+/// Six signals, by which errors of a kind in a group of channels move a part: for each coordinate of its motion.
+struct SensorSignals {
+    SecondOrder::Signals samples;
+    /// The equations' terms are tapered when they have been formed. What the spectra of the tapered signal and of its
+    /// derivatives have beyond S, iωS and −ω²S, S the spectrum that the channels' tapered readings give: 6 x bins.
+    std::array<Eigen::MatrixXcd, 3> edges;
+};
+
 /// Change of a part's motion (translation above rotation, as displacement) by a unit of an error.
 struct SensorEffect {
     /// Of one channel: the motion moves by `spectrum` along `direction`.
@@ -36,7 +44,7 @@ struct SensorEffect {
     /// Of the channels of a group: the motion moves by `turn` times signals that all errors of a kind share.
     struct GroupChange {
         Matrix6 turn;
-        std::shared_ptr<const SecondOrder::Signals> signals;
+        std::shared_ptr<const SensorSignals> signals;
     };
     Part part = Part::mobile;
     std::vector<ChannelChange> changes;  ///< none: the unknown is no sensor's
@@ -95,7 +103,7 @@ private:
     /// Of the fused displacement by a channel's change at a bin.
     double calcWeight(const Group& group, double w) const;
     /// By which errors of a kind in a group move the part, for each coordinate of its motion.
-    SecondOrder::Signals calcSignals(const Group& group, UnknownKind kind) const;
+    SensorSignals calcSignals(const Group& group, UnknownKind kind) const;
     /// Of a part's channels, those of all its groups below each other, then the wrench of the mobile part.
     TurningOutputs makeOutputs(const std::vector<std::size_t>& groups, const TurningWrench& wrench) const;
     std::vector<std::size_t> findGroups(Part part) const;
@@ -121,7 +129,7 @@ private:
     std::vector<std::vector<Change>> changes_;  // of each row of the table
     std::vector<Eigen::MatrixXcf> second_;      // of each row: makeOutputs x bins; empty: nothing
     std::map<std::pair<std::size_t, UnknownKind>, std::shared_ptr<const Eigen::VectorXcd>> weights_;
-    std::map<std::pair<std::size_t, UnknownKind>, std::shared_ptr<const SecondOrder::Signals>> signals_;
+    std::map<std::pair<std::size_t, UnknownKind>, std::shared_ptr<const SensorSignals>> signals_;
 };
 
 }  // namespace wems::identify
