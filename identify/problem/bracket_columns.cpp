@@ -81,4 +81,35 @@ Eigen::MatrixXcd Lineariser::calcTransient(int mode, bool sine) const {
     return white;
 }
 
+Eigen::MatrixXcd Lineariser::calcModalEdges(const Eigen::MatrixXd& accelerations,
+                                            const Eigen::MatrixXcd& tapered) const {
+    const Eigen::MatrixXcd spectra = bracket_.calcSpectra(accelerations.transpose());
+    Eigen::MatrixXcd edges(6 * static_cast<Eigen::Index>(model_.bracket.size()), tapered.cols());
+    Eigen::Index row = 0;
+    for (const BracketMode& own : model_.bracket) {
+        Eigen::RowVectorXcd response(tapered.cols());
+        for (Eigen::Index b = 0; b < response.size(); ++b) response[b] = calcModalResponse(own, spectra_.angular(b));
+        for (Eigen::Index m = 0; m < 6; ++m)
+            edges.row(row++) = respond(spectra.row(m), [&](double w) { return calcModalResponse(own, w); }) -
+                               tapered.row(m).cwiseProduct(response);
+    }
+    return edges;
+}
+
+Eigen::MatrixXcd Lineariser::calcBracketEdges(const SensorEffect& effect) const {
+    Eigen::MatrixXcd edges = Eigen::MatrixXcd::Zero(6, spectra_.binCount());
+    for (const auto& group : effect.groups) {
+        if (group.signals->modal_edges.size() == 0) continue;
+        const Matrix6 wrench = calcMassMatrix(model_.body) * group.turn;
+        Eigen::Index row = 0;
+        for (const BracketMode& own : model_.bracket) {
+            const Vector6 shape = calcShape(own), weights = wrench.transpose() * shape;
+            const Matrix6 all = shape * weights.transpose();
+            edges.noalias() -= all.cast<Complex>() * group.signals->modal_edges.middleRows(row, 6);
+            row += 6;
+        }
+    }
+    return edges;
+}
+
 }  // namespace wems::identify

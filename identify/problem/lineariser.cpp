@@ -231,14 +231,17 @@ Eigen::MatrixXcd Lineariser::calcMotionColumn(const SensorEffect& effect) const 
         if (with_bracket_) values.tail<6>() = whitened.bottomRows<6>().lazyProduct(motion);
     }
     Eigen::MatrixXcd mount, bracket;
-    if (!effect.groups.empty()) mount = calcEdges(effect);
+    if (!effect.groups.empty()) {
+        mount = calcEdges(effect);
+        if (with_bracket_) bracket = calcBracketEdges(effect);
+    }
     if (varies_) mount += spectra_.transform(calcBeyondMean(effect));
     if (effect.wrench.size() > 0) {
         const Eigen::MatrixXcd wrench = effect.wrench.topRows(6) + effect.wrench.bottomRows(6);
         mount = mount.size() > 0 ? Eigen::MatrixXcd(mount + wrench) : wrench;
-        if (with_bracket_) bracket.resize(6, wrench.cols());
+        if (with_bracket_ && bracket.size() == 0) bracket = Eigen::MatrixXcd::Zero(6, wrench.cols());
         for (Eigen::Index b = 0; b < bracket.cols(); ++b)
-            bracket.col(b) = -(noise_.receptance(b) * effect.wrench.col(b).head<6>());
+            bracket.col(b) -= noise_.receptance(b) * effect.wrench.col(b).head<6>();
     }
     if (mount.size() > 0) white += whiten(mount, bracket);
     return white;
@@ -295,6 +298,10 @@ TurningWrench Lineariser::makeTurningWrench(Part part) const {
     if (loaded) wrench.forces.bottomRows(3) = -calcLoad(open_, model_);
     Eigen::VectorXd stiffness(3 * connections);
     for (Eigen::Index row = 0; row < stiffness.size(); ++row) stiffness[row] = axis_tangents_[row].meanStiffness();
+    if (mobile && with_bracket_)
+        wrench.modal_edges = [this](const Eigen::MatrixXd& accelerations, const Eigen::MatrixXcd& tapered) {
+            return calcModalEdges(accelerations, tapered);
+        };
     wrench.outputs = [&model = model_, stiffness, connections, mobile, loaded](const TurningInstant& at) {
         Eigen::VectorXd result = Eigen::VectorXd::Zero(12);
         if (mobile) result.head<6>() = calcDemand(model.body, model.gravity, at.R, at.w, at.a, at.alpha);

@@ -106,6 +106,9 @@ private:
     /// Spectra of the wrench that mean laws and inertia make of an error where the taper rises and falls, beyond those
     /// of the tapered motion.
     Eigen::MatrixXcd calcEdges(const SensorEffect& effect) const;
+    /// The same of the bracket's motion: a mode answers to what has been, and its whole response is tapered.
+    Eigen::MatrixXcd calcBracketEdges(const SensorEffect& effect) const;
+    Eigen::MatrixXcd calcModalEdges(const Eigen::MatrixXd& accelerations, const Eigen::MatrixXcd& tapered) const;
     /// Wrench (6 x samples) that contact makes of an error beyond the mean laws, and the slow motion that follows.
     Eigen::MatrixXd calcBeyondMean(const SensorEffect& effect) const;
     void addContact(Eigen::Index row, const Vector6& direction);

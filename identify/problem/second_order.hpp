@@ -39,6 +39,9 @@ using TurningOutputs = std::function<Eigen::VectorXd(const TurningInstant&)>;
 struct TurningWrench {
     TurningOutputs outputs;
     Eigen::MatrixXd forces;
+    /// Of modes' responses to six accelerations (samples x 6), what stands beyond those to the tapered ones (6 x bins):
+    /// six rows for each mode. None where they move no bracket.
+    std::function<Eigen::MatrixXcd(const Eigen::MatrixXd& accelerations, const Eigen::MatrixXcd& tapered)> modal_edges;
 };
 
 class SecondOrder {

@@ -203,7 +203,7 @@ std::vector<std::size_t> SensorColumns::findGroups(Part part) const {
     return found;
 }
 
-SensorSignals SensorColumns::calcSignals(const Group& group, UnknownKind kind) const {
+SensorSignals SensorColumns::calcSignals(const Group& group, UnknownKind kind, const TurningWrench& wrench) const {
     const SmoothPart& part = group.part == Part::mobile ? run_.mobile : run_.fixed;
     const bool displacement = group.derivative == Derivative::displacement;
     Eigen::MatrixXd rows(6, run_.sampleCount());
@@ -226,6 +226,8 @@ SensorSignals SensorColumns::calcSignals(const Group& group, UnknownKind kind) c
         for (Eigen::Index b = 0; b < tapered.cols(); ++b)
             signals.edges[k].col(b) -= std::pow(Complex(0, spectra_.angular(b)), static_cast<int>(k)) * tapered.col(b);
     }
+    for (Eigen::Index b = 0; b < tapered.cols(); ++b) tapered.col(b) *= -std::pow(spectra_.angular(b), 2);
+    if (wrench.modal_edges) signals.modal_edges = wrench.modal_edges(signals.samples[2], tapered);
     return signals;
 }
 
@@ -267,7 +269,8 @@ void SensorColumns::addSecondOrder(const std::array<TurningWrench, 2>& wrenches)
                     const Matrix6 C = calcMotionChange(i, g);
                     if (C.isZero(0.0)) continue;
                     if (!order) {
-                        const auto signals = std::make_shared<const SensorSignals>(calcSignals(groups_[g], like));
+                        const auto signals =
+                            std::make_shared<const SensorSignals>(calcSignals(groups_[g], like, wrench));
                         signals_[{g, like}] = signals;
                         order.emplace(mobile ? run_.mobile : run_.fixed, mobile ? run_.fixed : run_.mobile,
                                       wrench.forces, signals->samples, spectra_, outputs);

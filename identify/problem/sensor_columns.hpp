@@ -28,6 +28,7 @@ struct SensorSignals {
     /// The equations' terms are tapered when they have been formed. What the spectra of the tapered signal and of its
     /// derivatives have beyond S, iωS and −ω²S, S the spectrum that the channels' tapered readings give: 6 x bins.
     std::array<Eigen::MatrixXcd, 3> edges;
+    Eigen::MatrixXcd modal_edges;  ///< of the bracket's modes (TurningWrench)
 };
 
 /// Change of a part's motion (translation above rotation, as displacement) by a unit of an error.
@@ -103,7 +104,7 @@ private:
     /// Of the fused displacement by a channel's change at a bin.
     double calcWeight(const Group& group, double w) const;
     /// By which errors of a kind in a group move the part, for each coordinate of its motion.
-    SensorSignals calcSignals(const Group& group, UnknownKind kind) const;
+    SensorSignals calcSignals(const Group& group, UnknownKind kind, const TurningWrench& wrench) const;
     /// Of a part's channels, those of all its groups below each other, then the wrench of the mobile part.
     TurningOutputs makeOutputs(const std::vector<std::size_t>& groups, const TurningWrench& wrench) const;
     std::vector<std::size_t> findGroups(Part part) const;
