@@ -387,19 +387,6 @@ private:
 
 }  // namespace
 
-bool isOfSensor(UnknownKind kind) {
-    switch (kind) {
-        case UnknownKind::channel_gain:
-        case UnknownKind::channel_delay:
-        case UnknownKind::triax_rotation:
-        case UnknownKind::station_place:
-        case UnknownKind::corner:
-            return true;
-        default:
-            return false;
-    }
-}
-
 UnknownTable makeUnknownTable(const TestState& believed, const SensorLayout& layout, const TestScales& scales,
                               const LoadedAxes& loaded) {
     return TableMaker(believed, layout, scales).make(loaded);

@@ -23,13 +23,13 @@ struct TestState {
 
 /// What a row is a number of, which tells how a change of it acts.
 enum class UnknownKind {
-    law,       ///< of one axis of a connection
-    position,  ///< of a connection, along one axis
-    body,      ///< mass, centre of gravity, inertia, spin
-    mode,      ///< frequency or damping ratio of a bracket mode
-    shape,     ///< of a bracket mode
-    load,      ///< gain of one axis of the load (`second`), or of all (3)
-    channel_gain,
+    law,           ///< of one axis of a connection
+    position,      ///< of a connection, along one axis
+    body,          ///< mass, centre of gravity, inertia, spin
+    mode,          ///< frequency or damping ratio of a bracket mode
+    shape,         ///< of a bracket mode
+    load,          ///< gain of one axis of the load (`second`), or of all (3)
+    channel_gain,  // from here on of sensors
     channel_delay,
     triax_rotation,
     station_place,
@@ -37,7 +37,9 @@ enum class UnknownKind {
 };
 
 /// Whether it is an error of what measures, not of the device.
-bool isOfSensor(UnknownKind kind);
+constexpr bool isOfSensor(UnknownKind kind) {
+    return kind >= UnknownKind::channel_gain;
+}
 
 struct Unknown {
     UnknownKind kind = UnknownKind::law;

@@ -127,8 +127,7 @@ double compareColumns(const TestProblem& problem, const Eigen::VectorXd& shared,
     sensors.addSecondOrder({at.makeTurningWrench(Part::mobile), at.makeTurningWrench(Part::fixed)});
     Eigen::MatrixXcd column = Eigen::MatrixXcd::Zero(12, at.spectra().binCount());
     for (std::size_t i = 0; i < problem.table().size(); ++i)
-        if (shared[static_cast<Eigen::Index>(i)] != 0)
-            column += at.calcMotionColumn(sensors.calcEffect(i));
+        if (shared[static_cast<Eigen::Index>(i)] != 0) column += at.calcMotionColumn(sensors.calcEffect(i));
     const double step = 3 / std::sqrt(2 * column.squaredNorm());
     const auto leave = [&](double part) {
         const PointEquations moved = problem.misfit(problem.pointAt(part * shared, {})).equations;
