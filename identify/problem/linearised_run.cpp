@@ -123,8 +123,7 @@ public:
         if (mount) {
             mount_.set(column, unfold(white.topRows(6)));
             Eigen::VectorXd bursts = at_.calcBursts(white);
-            if (column < static_cast<Eigen::Index>(noisy_.size()) && bursts.size() > 0)
-                bursts_.emplace_back(column, std::move(bursts));
+            if (bursts.size() > 0) bursts_.emplace_back(column, std::move(bursts));
         }
         if (at_.hasBracket()) bracket_.set(column, unfold(white.bottomRows(6)));
     }

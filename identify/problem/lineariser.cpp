@@ -162,7 +162,7 @@ void Lineariser::calcBodyColumn(const MobileBody& behind, const MobileBody& ahea
 }
 
 Eigen::MatrixXcd Lineariser::calcPositionColumn(int connection, int axis) const {
-    // To second order in the turning, as the sensors' columns: both move together without a trace.
+    // With all of the turning, as the sensors' columns have it to second order: both move together without a trace.
     Eigen::Matrix3Xd q(3, open_.sampleCount()), v = q;
     Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(6, open_.sampleCount());
     for (Eigen::Index k = 0; k < q.cols(); ++k) {

@@ -105,7 +105,7 @@ Eigen::MatrixXcf SecondOrder::calc(const Matrix6& C) const {
     // are taken together first.
     const Eigen::JacobiSVD<Matrix6> svd(C, Eigen::ComputeFullU | Eigen::ComputeFullV);
     const Eigen::Index rank = svd.rank(), kinds = coefficients_.size();
-    const auto U = svd.matrixU().leftCols(rank) * svd.singularValues().head(rank).asDiagonal();
+    const Eigen::MatrixXd U = svd.matrixU().leftCols(rank) * svd.singularValues().head(rank).asDiagonal();
     Eigen::MatrixXf weights(coefficients_.front().rows(), rank * kinds);
     for (Eigen::Index i = 0; i < kinds; ++i)
         weights.middleCols(rank * i, rank) = (coefficients_[static_cast<std::size_t>(i)] * U).cast<float>();

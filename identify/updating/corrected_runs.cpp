@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "identify/motion/parallel.hpp"
-#include "identify/problem/lineariser.hpp"
 #include "identify/updating/test_problem.hpp"
 #include "identify/verdict/free_error.hpp"
 
