@@ -146,17 +146,21 @@ TestPoint TestProblem::pointAt(const Eigen::VectorXd& estimate, const Hypothesis
 }
 
 TestPoint TestProblem::reduce(const TestPoint& point, const HypothesisSet& set) const {
-    const Eigen::VectorXd own = deviations();
-    std::vector<char> moved(own.size(), 0);
-    for (Eigen::Index i = 0; i < own.size(); ++i) moved[i] = own[i] > 0;
-    for (const int h : set) {
-        for (const Direction& direction : catalogue_.hypotheses[h].directions)
-            for (const auto& [column, weight] : direction) moved[column] = 1;
-    }
-    Eigen::VectorXd estimate = estimateOf(point);
-    for (Eigen::Index i = 0; i < estimate.size(); ++i)
-        if (!moved[i]) estimate[i] = 0;
-    return pointAt(estimate, set);
+    const Eigen::VectorXd own = deviations(), reach = reaches();
+    std::vector<const Direction*> directions;
+    for (const int h : set)
+        for (const Direction& direction : catalogue_.hypotheses[h].directions) directions.push_back(&direction);
+    // In units of the reaches, without the columns that have a tolerance of their own.
+    Eigen::MatrixXd spanned = Eigen::MatrixXd::Zero(own.size(), static_cast<Eigen::Index>(directions.size()));
+    for (std::size_t j = 0; j < directions.size(); ++j)
+        for (const auto& [column, weight] : *directions[j])
+            if (!(own[column] > 0)) spanned(column, static_cast<Eigen::Index>(j)) = weight / reach[column];
+    const Eigen::VectorXd before = estimateOf(point);
+    const Eigen::VectorXd scaled = (own.array() > 0).select(0.0, before.cwiseQuotient(reach));
+    const Eigen::VectorXd nearest =
+        spanned.cols() > 0 ? Eigen::VectorXd(spanned * spanned.completeOrthogonalDecomposition().solve(scaled))
+                           : Eigen::VectorXd::Zero(own.size());
+    return pointAt((own.array() > 0).select(before, nearest.cwiseProduct(reach)), set);
 }
 
 std::optional<TestPoint> TestProblem::goToProbes(const TestPoint& point, const HypothesisSet& set) const {

@@ -77,7 +77,8 @@ public:
     TestPoint pointAt(const Eigen::VectorXd& estimate, const HypothesisSet& set) const;
     /// The inverse of pointAt within the limits: values minus believed ones.
     Eigen::VectorXd estimateOf(const TestPoint& point) const;
-    /// A point under a set: what neither a tolerance nor the set moves is as believed.
+    /// The nearest point that a set can state: what neither a tolerance nor the set moves is as believed, and numbers
+    /// that it moves by one factor have one.
     TestPoint reduce(const TestPoint& point, const HypothesisSet& set) const;
     /// Of what drives a run: white noise of the density in the middle of what it is excited by.
     DriveNoise calcDriveNoise(std::size_t run) const;

@@ -1,6 +1,7 @@
 // What a hypothesis sets far from the believed numbers: taken with it, and given back.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <limits>
 #include <memory>
 #include <random>
 
@@ -223,6 +224,48 @@ TEST_CASE("A stop is sought from as near as its probe, and what a set does not m
         CHECK(problem.reduce(*far, {}).values == problem.believedPoint().values);
     }
     CHECK(probed > 0);
+}
+
+TEST_CASE("Of numbers that one factor moves a set states one factor, the nearest", "[updating]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    const TestProblem problem = makeProblem(random);
+    const Eigen::Index count = problem.deviations().size();
+    std::uniform_real_distribution<double> even(0.5, 1.5);
+    int common = 0;
+    for (int h = 0; h < static_cast<int>(problem.hypotheses().size()); ++h) {
+        const Hypothesis& hypothesis = problem.hypotheses()[h];
+        if (!hypothesis.tangent.empty() || hypothesis.directions.size() != 1) continue;
+        const Direction& direction = hypothesis.directions.front();
+        const auto isOfTable = [&](const auto& part) {
+            return static_cast<std::size_t>(part.first) < problem.table().size();
+        };
+        if (direction.size() < 2 || !std::all_of(direction.begin(), direction.end(), isOfTable)) continue;
+        CAPTURE(describe(hypothesis));
+        ++common;
+        const double factor = 0.05 * even(random);
+        Eigen::VectorXd on = Eigen::VectorXd::Zero(count), off = on;
+        for (const auto& [column, weight] : direction) {
+            on[column] = factor * weight;
+            off[column] = factor * even(random) * weight;
+        }
+        const auto reduce = [&](const Eigen::VectorXd& estimate) {
+            return problem.estimateOf(problem.reduce(problem.pointAt(estimate, {h}), {h}));
+        };
+        const Eigen::VectorXd reached = problem.estimateOf(problem.pointAt(on, {h}));
+        CHECK((reduce(on) - reached).cwiseAbs().maxCoeff() <= 1e-9 * reached.cwiseAbs().maxCoeff());
+        const Eigen::VectorXd nearest = reduce(off);
+        double least = std::numeric_limits<double>::infinity(), most = -least;
+        for (const auto& [column, weight] : direction) {
+            least = std::min(least, nearest[column] / weight);
+            most = std::max(most, nearest[column] / weight);
+        }
+        CHECK(most - least <= 1e-9 * std::abs(factor));
+        CHECK(least >= 0.5 * factor);
+        CHECK(most <= 1.5 * factor);
+    }
+    CHECK(common > 10);
 }
 
 TEST_CASE("A copy of a problem outlives it, and what is adopted there stays there", "[updating]") {
