@@ -196,42 +196,13 @@ bool isComplete(const std::array<Channel*, 3>& triad) {
     return triad[0] != nullptr && triad[1] != nullptr && triad[2] != nullptr;
 }
 
-/// Takes off what errors of place, and of the direction of incomplete triads, make of each reading. The motion is that
-/// of the readings, with the AC coupling and the delay that they have, so that this comes before those are taken off.
-void removePlaces(Recording& recording, const SensorLayout& layout, const SensorErrors& errors, const RunMotion& motion,
-                  const Triads& triads) {
-    std::map<std::pair<Part, Derivative>, std::vector<Eigen::Matrix3d>> effects;
-    for (Channel& channel : recording.channels) {
-        const int index = layout.findChannel(channel.name);
-        if (index < 0) continue;
-        const SensorChannel& sensor = layout.channels[index];
-        const SensorGroup& group = layout.groups[sensor.group];
-        const double gain = 1 + errors.gain[index];
-        const Eigen::Vector3d place = errors.place.col(sensor.station), rotation = errors.rotation.col(sensor.triax);
-        const PartMotion& part = group.part == Part::mobile ? motion.mobile : motion.fixed;
-        if (!place.isZero(0.0)) {
-            auto& effect = effects[{group.part, group.derivative}];
-            if (effect.empty()) effect = calcPlaceEffect(part, group.derivative);
-            const Eigen::Vector3d seen = rotationFromVector(rotation).transpose() * sensor.direction;
-            for (std::size_t k = 0; k < channel.values.size(); ++k)
-                channel.values[k] -= gain * seen.dot(effect[k] * place);
-        }
-        if (rotation.isZero(0.0) || isComplete(triads[sensor.triax])) continue;
-        for (std::size_t k = 0; k < channel.values.size(); ++k)
-            channel.values[k] -= gain * sensor.direction.dot(rotation.cross(
-                                            calcPointMotion(part, group.derivative, sensor.position + place, k)));
-    }
-}
-
 }  // namespace
 
 Recording correctSensors(const Recording& recording, const SensorLayout& layout, const SensorErrors& errors,
-                         double lowest, const RunMotion* motion) {
+                         double lowest) {
     Recording result = recording;
     if (errors.isZero()) return result;
     const double interval = recording.sampleInterval();
-    const Triads triads = findTriads(result, layout);
-    if (motion != nullptr) removePlaces(result, layout, errors, *motion, triads);
     for (Channel& channel : result.channels) {
         const int index = layout.findChannel(channel.name);
         if (index < 0) continue;
@@ -244,6 +215,7 @@ Recording correctSensors(const Recording& recording, const SensorLayout& layout,
         if (group.derivative == Derivative::acceleration && corner != 0)
             removeHighPass(channel.values, corner, kSlowestIntegrated * lowest, interval);
     }
+    const Triads triads = findTriads(result, layout);
     for (std::size_t t = 0; t < triads.size(); ++t) {
         const auto& triad = triads[t];
         const Eigen::Vector3d rotation = errors.rotation.col(t);
@@ -256,6 +228,36 @@ Recording correctSensors(const Recording& recording, const SensorLayout& layout,
         }
     }
     return result;
+}
+
+bool placeSensors(Recording& recording, const SensorLayout& layout, const SensorErrors& errors,
+                  const RunMotion& motion) {
+    const Triads triads = findTriads(recording, layout);
+    std::map<std::pair<Part, Derivative>, std::vector<Eigen::Matrix3d>> effects;
+    bool moved = false;
+    for (Channel& channel : recording.channels) {
+        const int index = layout.findChannel(channel.name);
+        if (index < 0) continue;
+        const SensorChannel& sensor = layout.channels[index];
+        const SensorGroup& group = layout.groups[sensor.group];
+        const Eigen::Vector3d place = errors.place.col(sensor.station), rotation = errors.rotation.col(sensor.triax);
+        const PartMotion& part = group.part == Part::mobile ? motion.mobile : motion.fixed;
+        const bool turned = !rotation.isZero(0.0) && !isComplete(triads[sensor.triax]);
+        const Eigen::Vector3d seen =
+            turned ? Eigen::Vector3d(rotationFromVector(rotation).transpose() * sensor.direction) : sensor.direction;
+        if (!turned && place.isZero(0.0)) continue;
+        moved = true;
+        if (!place.isZero(0.0)) {
+            auto& effect = effects[{group.part, group.derivative}];
+            if (effect.empty()) effect = calcPlaceEffect(part, group.derivative);
+            for (std::size_t k = 0; k < channel.values.size(); ++k) channel.values[k] -= seen.dot(effect[k] * place);
+        }
+        if (!turned) continue;
+        for (std::size_t k = 0; k < channel.values.size(); ++k)
+            channel.values[k] -=
+                (seen - sensor.direction).dot(calcPointMotion(part, group.derivative, sensor.position, k));
+    }
+    return moved;
 }
 
 }  // namespace wems::identify

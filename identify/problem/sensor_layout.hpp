@@ -76,12 +76,17 @@ struct SensorErrors {
 /// count from (0.6), so that the edge lies outside what is used.
 inline constexpr double kSlowestIntegrated = 0.3;
 
-/// The recording as exact sensors would have made it.
+/// The recording without its sensors' gains, delays, AC coupling and, of complete triads, directions.
 /// @param recording uniformly sampled
 /// @param lowest excited frequency, Hz: what AC coupling takes is given back from kSlowestIntegrated of it upwards
-/// @param motion of the same samples, for the errors of place and the directions of incomplete triads; may be null
-///     while those are zero
 Recording correctSensors(const Recording& recording, const SensorLayout& layout, const SensorErrors& errors,
-                         double lowest, const RunMotion* motion);
+                         double lowest);
+
+/// Takes off what errors of place, and of the direction of incomplete triads, make of each reading.
+/// @param[in,out] recording of correctSensors; afterwards as exact sensors would have made it
+/// @param motion that the recording shows: of the readings themselves it would have the sensors' faults
+/// @return whether there was anything to take off
+bool placeSensors(Recording& recording, const SensorLayout& layout, const SensorErrors& errors,
+                  const RunMotion& motion);
 
 }  // namespace wems::identify

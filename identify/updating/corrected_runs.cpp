@@ -88,8 +88,10 @@ TestProblem::ExactRun TestProblem::calcExactRun(std::size_t index, const TestPoi
 
 TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point) const {
     TestRun corrected = run;
-    corrected.recording = correctSensors(run.recording, layout_, point.state.sensors, run.band.lowest, &run.motion);
+    corrected.recording = correctSensors(run.recording, layout_, point.state.sensors, run.band.lowest);
     corrected.motion = estimateMotion(corrected.recording, believed_, ContactEdges::filtered);
+    if (placeSensors(corrected.recording, layout_, point.state.sensors, corrected.motion))
+        corrected.motion = estimateMotion(corrected.recording, believed_, ContactEdges::filtered);
     // Taking a gain off a channel takes it off the channel's noise.
     for (std::size_t g = 0; g < layout_.groups.size(); ++g)
         corrected.noise[g].scale(calcNoiseScale(layout_.groups[g], point.state.sensors));
