@@ -9,7 +9,6 @@
 namespace wems::identify::updating {
 namespace {
 
-constexpr double kSettled = 0.5;       // log evidence that a further step would still change
 constexpr double kWorthwhile = 0.003;  // of the cost: far from the noise, the last bit of a fit decides nothing
 // What a model leaves beyond the noise is alike at frequencies closer than this part of the lowest excited one.
 constexpr double kAlike = 0.2;
@@ -65,13 +64,6 @@ Eigen::VectorXd keepInRange(const TestProblem& problem, Eigen::VectorXd estimate
     return estimate;
 }
 
-/// Of what was measured at a point, without columns.
-std::vector<double> calcMeanSquares(const Information& actual) {
-    std::vector<double> misfits;
-    for (const BlockInformation& block : actual) misfits.push_back(block.empty() ? 0 : block.chi_squared / block.count);
-    return misfits;
-}
-
 /// C⁻¹ ε on the columns that a set moves, C their prior covariance: the slope of −log prior there.
 Eigen::VectorXd calcPriorSlope(const TestProblem& problem, const Eigen::VectorXd& estimate, const HypothesisSet& set) {
     std::vector<Direction> directions = problem.tolerances(set, estimate);
@@ -83,6 +75,12 @@ Eigen::VectorXd calcPriorSlope(const TestProblem& problem, const Eigen::VectorXd
 }
 
 }  // namespace
+
+std::vector<double> calcMeanSquares(const Information& actual) {
+    std::vector<double> misfits;
+    for (const BlockInformation& block : actual) misfits.push_back(block.empty() ? 0 : block.chi_squared / block.count);
+    return misfits;
+}
 
 bool isSatisfied(const std::vector<double>& misfits) {
     return std::all_of(misfits.begin(), misfits.end(), [](double misfit) { return misfit < kSatisfied; });
@@ -236,7 +234,8 @@ Settler::Settling Settler::settle(SetState& state, int most, bool with_validatio
     std::vector<TriedStep> tried;
     while (settling.steps < most) {
         if (!(damping >= 1)) damping = 0;  // nor where a misfit is no number
-        const Step step = improve(state, with_validation, damping, tried);
+        Step step = improve(state, with_validation, damping, tried);
+        if (step == Step::none && damping == 0 && reachStops(state, with_validation)) step = Step::onwards;
         if (step != Step::none) {
             ++settling.steps;
             tried.clear();
@@ -279,11 +278,11 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
         TestMisfit misfit = problem_.misfit(next);
         const Information actual = sumOf(misfit, with_validation);
         const double excess = calcExcess(all, at - present, actual, at, scales, Growth::followed);
-        const bool falls = calcCost(actual, calcMeanSquares(actual)) + calcPriorSquare(at, set) < cost;
-        return {{damping, promised, promised - excess, falls || !must_fall},
-                at,
-                std::move(next),
-                std::move(misfit.equations)};
+        const double fall = cost - calcCost(actual, calcMeanSquares(actual)) - calcPriorSquare(at, set);
+        // Where noise comes in bursts the promise counts little of what the equations' own squares give, and the excess
+        // all of it: as much less left as was promised bears the step out too.
+        const double gain = std::max(promised - excess, std::min(promised, fall));
+        return {{damping, promised, gain, fall > 0 || !must_fall}, at, std::move(next), std::move(misfit.equations)};
     };
     const auto reach = [&](double damping, const Eigen::VectorXd& at) -> Reached {
         for (const TriedStep& own : tried)

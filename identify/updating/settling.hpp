@@ -58,6 +58,9 @@ Information sumOf(const TestInformation& runs, bool with_validation);
 /// Misfit of each block at an estimate.
 std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& estimate);
 
+/// χ² of each block over its count, of a misfit without quadratic.
+std::vector<double> calcMeanSquares(const Information& actual);
+
 /// Beyond the noise, of the block that leaves most.
 double calcExcessOf(const std::vector<double>& misfits);
 
@@ -73,6 +76,9 @@ bool isNoiseAlone(const Information& all, const std::vector<double>& misfits);
 
 /// Gauss–Newton steps of a set that begins near its best numbers.
 inline constexpr int kMostRefining = 3;
+
+/// Log evidence that a further step would still change.
+inline constexpr double kSettled = 0.5;
 
 class Settler {
 public:
@@ -145,6 +151,9 @@ private:
                       const Eigen::VectorXd& estimate, const BlockScales& scales, Growth growth) const;
     BlockScales settleScales(const Information& all, const std::function<SetSolution(const BlockScales&)>& solve) const;
     BlockScales settleScales(const Information& all, const HypothesisSet& set, const Eigen::VectorXd& estimate) const;
+    /// Brings a state that steps leave where it is to the contacts that steps do not see (untouched_stops.hpp).
+    /// @return whether one leaves less
+    bool reachStops(SetState& state, bool with_validation) const;
     /// @param[in,out] tried from this state with the present discrepancy
     Step improve(SetState& state, bool with_validation, double damping, std::vector<TriedStep>& tried) const;
     /// @param[in,out] tried from this point with these scales

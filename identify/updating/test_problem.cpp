@@ -304,9 +304,10 @@ TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set,
     return view(point, std::move(columns), {});
 }
 
-TestView TestProblem::viewAlone(const TestPoint& point) const {
+TestView TestProblem::viewAlone(const TestPoint& point, const std::vector<AddedCurve>& curves) const {
     ColumnSet columns = catalogue_.columns;
     columns.wantNone();
+    columns.curves = curves;
     return view(point, columns, {});
 }
 

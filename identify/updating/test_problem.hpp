@@ -89,6 +89,8 @@ public:
         Eigen::MatrixXd relative;
     };
     ExactRun calcExactRun(std::size_t run, const TestPoint& point) const;
+    /// All runs as exact sensors would have recorded them. The last ones are kept: not to be called by two threads.
+    std::shared_ptr<const std::vector<TestRun>> correctRuns(const TestPoint& point) const;
     /// A point under a set with its members as far off as their probes were, if any has such.
     std::optional<TestPoint> goToProbes(const TestPoint& point, const HypothesisSet& set) const;
     /// What the hypotheses and the table were before an adoption.
@@ -114,8 +116,8 @@ public:
     TestView view(const TestPoint& point, const HypothesisSet& set, PointEquations equations = {}) const;
     /// With those of a set, and of further forces.
     TestView view(const TestPoint& point, const HypothesisSet& set, const std::vector<AddedCurve>& curves) const;
-    /// Without columns: what the equations leave.
-    TestView viewAlone(const TestPoint& point) const;
+    /// What the equations leave, with no columns but those of further forces.
+    TestView viewAlone(const TestPoint& point, const std::vector<AddedCurve>& curves = {}) const;
     /// χ² and count of each block, without derivatives, each run corrected and weighed as the point itself has it.
     TestMisfit misfit(const TestPoint& point) const;
     /// Gives back the memory of the recordings as the last point's sensors had them.
@@ -137,8 +139,6 @@ private:
     void calibrateNoise();
     /// A run as exact sensors would have recorded it, where they err.
     TestRun correctRun(const TestRun& run, const TestPoint& point) const;
-    /// All of them; the last ones are kept. Not to be called by two threads.
-    std::shared_ptr<const std::vector<TestRun>> correctRuns(const TestPoint& point) const;
 
     MountModel believed_;
     SensorLayout layout_;
