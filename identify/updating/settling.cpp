@@ -279,10 +279,10 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
         const Information actual = sumOf(misfit, with_validation);
         const double excess = calcExcess(all, at - present, actual, at, scales, Growth::followed);
         const double fall = cost - calcCost(actual, calcMeanSquares(actual)) - calcPriorSquare(at, set);
-        // Where noise comes in bursts the promise counts little of what the equations' own squares give, and the excess
-        // all of it: as much less left as was promised bears the step out too.
-        const double gain = std::max(promised - excess, std::min(promised, fall));
-        return {{damping, promised, gain, fall > 0 || !must_fall}, at, std::move(next), std::move(misfit.equations)};
+        return {{damping, promised, promised - excess, fall, fall > 0 || !must_fall},
+                at,
+                std::move(next),
+                std::move(misfit.equations)};
     };
     const auto reach = [&](double damping, const Eigen::VectorXd& at) -> Reached {
         for (const TriedStep& own : tried)
@@ -292,7 +292,11 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
         return reached;
     };
     const auto isKept = [](const Reached& reached) { return reached.step.gain >= kKept * reached.step.promised; };
+    const auto isWorth = [least](const TriedStep& step) {
+        return step.gain > std::max(kGained * least, kPromised * step.promised);
+    };
     Reached best = reach(first_damping, target);
+    const TriedStep undamped = best.step;
     if (isKept(best) && !best.step.falls) return Step::contrary;
     if (!isKept(best)) {
         double length = calcPriorSquare(target - present, set);
@@ -309,7 +313,13 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
             if (kept) break;
         }
     }
-    if (!(best.step.gain > std::max(kGained * least, kPromised * best.step.promised))) return Step::none;
+    if (!isWorth(best.step)) {
+        // Where noise comes in bursts the promise counts little of what the equations' own squares give, and the excess
+        // all of it: as much less left as was promised bears a step out that nothing else does.
+        if (!(undamped.fall >= undamped.promised)) return Step::none;
+        best = measure(first_damping, target);
+        best.step.gain = undamped.promised;
+    }
     if (!best.step.falls) return Step::contrary;
     if (best.equations.at.empty()) best = measure(best.step.damping, best.at);
     point = std::move(best.point);

@@ -134,6 +134,7 @@ private:
     /// they promise: the equations of all runs take most of a diagnosis' time.
     struct TriedStep {
         double damping, promised, gain;  ///< by the quadratic; by the equations
+        double fall;                     ///< of what is left, prior included
         bool falls;                      ///< what is left, where it must
     };
 
