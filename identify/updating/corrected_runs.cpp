@@ -90,6 +90,7 @@ TestRun TestProblem::correctRun(const TestRun& run, const TestPoint& point) cons
     TestRun corrected = run;
     corrected.recording = correctSensors(run.recording, layout_, point.state.sensors, run.band.lowest);
     corrected.motion = estimateMotion(corrected.recording, believed_, ContactEdges::filtered);
+    // What a place makes follows from the motion without it, to second order in the places.
     if (placeSensors(corrected.recording, layout_, point.state.sensors, corrected.motion))
         corrected.motion = estimateMotion(corrected.recording, believed_, ContactEdges::filtered);
     // Taking a gain off a channel takes it off the channel's noise.

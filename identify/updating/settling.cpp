@@ -292,11 +292,8 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
         return reached;
     };
     const auto isKept = [](const Reached& reached) { return reached.step.gain >= kKept * reached.step.promised; };
-    const auto isWorth = [least](const TriedStep& step) {
-        return step.gain > std::max(kGained * least, kPromised * step.promised);
-    };
     Reached best = reach(first_damping, target);
-    const TriedStep undamped = best.step;
+    const TriedStep first = best.step;
     if (isKept(best) && !best.step.falls) return Step::contrary;
     if (!isKept(best)) {
         double length = calcPriorSquare(target - present, set);
@@ -313,12 +310,12 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
             if (kept) break;
         }
     }
-    if (!isWorth(best.step)) {
+    if (!(best.step.gain > std::max(kGained * least, kPromised * best.step.promised))) {
         // Where noise comes in bursts the promise counts little of what the equations' own squares give, and the excess
         // all of it: as much less left as was promised bears a step out that nothing else does.
-        if (!(undamped.fall >= undamped.promised)) return Step::none;
+        if (!(first.fall >= first.promised)) return Step::none;
         best = measure(first_damping, target);
-        best.step.gain = undamped.promised;
+        best.step.gain = first.promised;
     }
     if (!best.step.falls) return Step::contrary;
     if (best.equations.at.empty()) best = measure(best.step.damping, best.at);

@@ -12,10 +12,14 @@
 namespace wems::identify::updating {
 namespace {
 
-constexpr double kShallower = 4;  // from depth to depth: within a factor of two of the best one steps go on
-constexpr int kDepths = 6;        // down to a thousandth of the deepest, which no sensor sees
-
-constexpr double kKink = 1e-3;  // of the depth: where the slope of a curve, which is smooth, changes to the stop's
+// From depth to depth. A force that is x times the true one leaves (x − 1)² of what that takes; of x and x/4 the better
+// leaves 0.36 at most, at x = 1.6.
+constexpr double kShallower = 4;
+// From half the tolerance down to 1/1024 of that: 0.02 µm where 50 µm are believed. For time, not varied.
+constexpr int kDepths = 6;
+// Of the depth: over how much of it the slope of a curve, which is smooth, becomes the stop's. Between, the force errs
+// by 4/27 of that part of the force at the depth. Not varied.
+constexpr double kKink = 1e-3;
 
 /// The force of a stop at a clearance that leaves it a depth, over displacements to three times that clearance.
 AddedCurve makeContact(const UntouchedStop& stop, double depth) {

@@ -3,10 +3,15 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "models/bryant.hpp"
 #include "models/common/units.hpp"
+#include "models/recording/recording.hpp"
 
 namespace wems::identify::updating {
 
@@ -50,5 +55,25 @@ private:
     }
     double amplitude_[6], phase_[6];
 };
+
+/// At 1 kHz, along the given axes of each station of the mobile part, noise on each channel.
+/// @param kind "" of displacements, "a" of accelerations; @param read of a station at a time (s)
+inline Recording recordStations(const std::vector<std::pair<std::string, std::string>>& stations_and_axes,
+                                const std::string& kind,
+                                const std::function<Eigen::Vector3d(std::size_t station, double time)>& read,
+                                double noise, std::mt19937_64& random) {
+    std::normal_distribution<double> normal(0, noise);
+    Recording recording;
+    for (double t = 0; t < SweptMotion::kDuration; t += 1e-3) recording.time.push_back(t);
+    for (std::size_t i = 0; i < stations_and_axes.size(); ++i)
+        for (const char axis : stations_and_axes[i].second) {
+            Channel channel;
+            channel.name = "mobile." + stations_and_axes[i].first + "." + kind + axis;
+            channel.unit = kind.empty() ? "m" : "m/s^2";
+            for (const double t : recording.time) channel.values.push_back(read(i, t)[axis - 'x'] + normal(random));
+            recording.channels.push_back(std::move(channel));
+        }
+    return recording;
+}
 
 }  // namespace wems::identify::updating

@@ -19,20 +19,12 @@ namespace {
 /// Accelerations of all connections, in ground axes.
 Recording recordAccelerations(const MountModel& model, const SweptMotion& motion, double noise,
                               std::mt19937_64& random) {
-    constexpr double rate = 1000;
-    std::normal_distribution<double> normal(0, noise);
-    Recording recording;
-    for (double t = 0; t < SweptMotion::kDuration; t += 1 / rate) recording.time.push_back(t);
-    for (const Connection& connection : model.connections)
-        for (const int axis : {0, 1, 2}) {
-            Channel channel;
-            channel.name = "mobile." + connection.name + ".a" + "xyz"[axis];
-            channel.unit = "m/s^2";
-            for (const double t : recording.time)
-                channel.values.push_back(motion.findAcceleration(t, connection.position)[axis] + normal(random));
-            recording.channels.push_back(channel);
-        }
-    return recording;
+    std::vector<std::pair<std::string, std::string>> stations;
+    for (const Connection& connection : model.connections) stations.emplace_back(connection.name, "xyz");
+    const auto read = [&](std::size_t i, double t) {
+        return motion.findAcceleration(t, model.connections[i].position);
+    };
+    return recordStations(stations, "a", read, noise, random);
 }
 
 bool endsWith(const std::string& name, const std::string& end) {
