@@ -235,7 +235,7 @@ Settler::Settling Settler::settle(SetState& state, int most, bool with_validatio
     while (settling.steps < most) {
         if (!(damping >= 1)) damping = 0;  // nor where a misfit is no number
         Step step = improve(state, with_validation, damping, tried);
-        if (step == Step::none && damping == 0 && reachStops(state, with_validation)) step = Step::onwards;
+        if (step != Step::onwards && damping == 0 && reachStops(state, with_validation)) step = Step::onwards;
         if (step != Step::none) {
             ++settling.steps;
             tried.clear();
