@@ -42,7 +42,9 @@ void TestProblem::calibrateNoise() {
         Information sensors = view.identification;
         add(sensors, view.validation);
         sensors[indexOf(Block::mount)] = sensors[indexOf(Block::bracket)] = {};
-        const Evidence evidence(combine(sensors, {}, reaches()), priors, {});
+        const BlockInformation known = combine(sensors, {}, reaches());
+        if (known.empty()) return;  // no sensor can be told by the others
+        const Evidence evidence(known, priors, {});
         const TestPoint point = pointAt(evidence.solve({}).mean, {});
         std::vector<TestRun> measured = runs();
         runParallel(measured.size(), [&](std::size_t r) {

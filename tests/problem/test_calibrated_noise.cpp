@@ -41,3 +41,27 @@ TEST_CASE("Under a random drive what sensors' errors make of the motion is no no
         }
     }
 }
+
+// Of one sensor a part on a guided rig no other can tell an error.
+TEST_CASE("Sensors that nothing tells keep the noise that they show") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    hidden::Random random(seed);
+    hidden::CaseOptions options;
+    options.kind = "none";
+    options.sensors = hidden::Sensors::accelerations;
+    options.set_up_kind = "axis";
+    options.excitation = hidden::Excitation::random;
+    const auto hidden = hidden::drawCase(options, random);
+    const TestProblem problem({hidden::recordRun(hidden, 0, seed)}, {}, hidden.base);
+    const TestRun& run = problem.runs().front();
+    REQUIRE_FALSE(run.swept.is_sine);
+    for (std::size_t g = 0; g < problem.layout().groups.size(); ++g) {
+        const double frequency = (run.band.lowest + run.band.highest) / 2;
+        CAPTURE(g, hidden.acceleration_noise, frequency);
+        CHECK(std::isfinite(run.noise[g].at(frequency)));
+        CHECK(run.noise[g].at(frequency) > 0);
+    }
+    const TestView view = problem.view(problem.believedPoint(), {});
+    CHECK_FALSE(view.identification[indexOf(Block::mount)].empty());
+}
