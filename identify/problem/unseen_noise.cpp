@@ -12,6 +12,14 @@ constexpr double kPassed = 0.3;     // of the sampling rate, which an anti-alias
 constexpr double kLinesBelow = 32;  // of the spectrum below the band: three octaves between what leaks from both ends
 constexpr int kLeak = 3;            // lines on each side, of the window of NoiseDensity
 
+/// Variance above the band. The windows are as short as what leaks from the band allows: a stop that is touched in
+/// every longer one leaves a quarter of these alone.
+double findWhite(const Eigen::MatrixXd& moving, int count, const ExcitedBand& band, double interval, double from,
+                 double highest, double resolution, double least) {
+    const double widest = std::max(resolution, (from - band.highest) / kLeak);
+    return NoiseDensity(moving, count, interval, widest, least).medianBetween(from, highest);
+}
+
 /// Of the octaves below the band the least mean of f S(f), unit² Hz as NoiseDensity has it; 0: none is resolved.
 double findPink(const NoiseDensity& density, double lowest, double white) {
     const double spacing = density.resolution();
@@ -35,7 +43,7 @@ NoiseDensity estimateNoiseBesideBand(const Eigen::MatrixXd& values, int count, c
                                      double resolution, double least) {
     const Eigen::MatrixXd moving = values.colwise() - values.rowwise().mean();
     const double highest = kPassed / interval, from = std::min(kBeyond * band.highest, 0.5 * highest);
-    const double above = NoiseDensity(moving, count, interval, resolution, least).medianBetween(from, highest);
+    const double above = findWhite(moving, count, band, interval, from, highest, resolution, least);
     const double pink = findPink({moving, count, interval, band.lowest / kLinesBelow, least}, band.lowest, above);
     const double white = std::max(least, above - pink * std::log(highest / from) / (highest - from));
     std::vector<double> variances;

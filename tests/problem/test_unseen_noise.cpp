@@ -13,7 +13,7 @@ using namespace wems::identify;
 
 namespace {
 
-constexpr int kSamples = 1 << 15, kChannels = 3;
+constexpr int kSamples = 1 << 16, kChannels = 3;
 constexpr double kInterval = 5e-4, kLowest = 10, kHighest = 100;
 
 /// Gaussian, with the variance of a sample, as white noise, that a function of frequency says.
@@ -74,6 +74,29 @@ TEST_CASE("Neither a drive that fades out nor a slow creep is noise in the band"
             [&](double f) { return 1 + (isDriven(f) ? 1e4 : 1e3 * std::pow(10 * f / kLowest, -6)); }, random));
         for (const double f : {10.0, 30.0, 100.0}) CHECK(density.at(f) == Approx(1).margin(0.4));
     }
+}
+
+// A stop that is touched ten times a second leaves none of the windows alone in which the driven band is resolved. A
+// part that comes to rest has gained no velocity: what a contact does to an acceleration has no mean.
+TEST_CASE("A stop that is touched now and then is no noise", "[noise density]") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    std::mt19937_64 random(seed);
+    constexpr double rate = 10, lasts = 4e-3;  // Hz, s
+    Eigen::MatrixXd values = drawShaped([](double f) { return 1 + (isDriven(f) ? 1e4 : 0); }, random);
+    const int contacts = std::poisson_distribution<int>(rate * kSamples * kInterval)(random);
+    const auto length = static_cast<Eigen::Index>(lasts / kInterval);
+    std::uniform_int_distribution<Eigen::Index> begin(0, kSamples - length);
+    std::uniform_real_distribution<double> peak(-1000, 1000);
+    for (int i = 0; i < contacts; ++i) {
+        const Eigen::Index first = begin(random);
+        const double height = peak(random);
+        for (Eigen::Index k = 0; k < length; ++k)
+            values.col(first + k).array() +=
+                height * std::sin(kTwoPi * (static_cast<double>(k) + 0.5) / static_cast<double>(length));
+    }
+    const NoiseDensity density = estimate(values);
+    for (const double f : {200.0, 500.0}) CHECK(density.at(f) == Approx(1).margin(0.4));
 }
 
 // Below a sweep a channel without redundancy shows motion too: no more of it is noise than 1/f noise would be.
