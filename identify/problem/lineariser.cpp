@@ -233,9 +233,9 @@ Eigen::MatrixXcd Lineariser::calcMotionColumn(const SensorEffect& effect) const 
     Eigen::MatrixXcd mount, bracket;
     if (!effect.groups.empty()) {
         mount = calcEdges(effect);
+        if (varies_) mount += spectra_.transform(calcBeyondMean(effect));
         if (with_bracket_) bracket = calcBracketEdges(effect);
     }
-    if (varies_) mount += spectra_.transform(calcBeyondMean(effect));
     if (effect.wrench.size() > 0) {
         const Eigen::MatrixXcd wrench = effect.wrench.topRows(6) + effect.wrench.bottomRows(6);
         mount = mount.size() > 0 ? Eigen::MatrixXcd(mount + wrench) : wrench;
