@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace wems::identify {
@@ -12,16 +13,52 @@ constexpr double kPassed = 0.3;     // of the sampling rate, which an anti-alias
 constexpr double kLinesBelow = 32;  // of the spectrum below the band: three octaves between what leaks from both ends
 constexpr int kLeak = 3;            // lines on each side, of the window of NoiseDensity
 
-/// Variance above the band. The windows are as short as what leaks from the band allows: a stop that is touched in
-/// every longer one leaves a quarter of these alone.
-double findWhite(const Eigen::MatrixXd& moving, int count, const ExcitedBand& band, double interval, double from,
-                 double highest, double resolution, double least) {
-    const double widest = std::max(resolution, (from - band.highest) / kLeak);
-    return NoiseDensity(moving, count, interval, widest, least).medianBetween(from, highest);
+constexpr double kDoubt = 2;  // standard deviations, within which noise above the band may fall as 1/f
+// Times the root of how many values there are: of exponential ones the lower quartile over its mean scatters by
+// √(1/4 · 3/4) / (3/4 ln(4/3)), the median over the lines by √(π/2) of that.
+constexpr double kScatter = 2.5;
+
+/// Of 1/f between two frequencies.
+double calcMeanInverse(double from, double to) {
+    return std::log(to / from) / (to - from);
+}
+
+/// The noise between two frequencies above the band.
+struct NoiseAbove {
+    double from, highest;
+    NoiseDensity density;
+    double values;  ///< independent ones in a Hz
+
+    double power() const { return density.medianBetween(from, highest); }
+
+    /// As much of it as may fall as 1/f: what its lower half has more than the upper one, unit² Hz.
+    double findPink() const {
+        const double middle = std::sqrt(from * highest);
+        const double lower = density.medianBetween(from, middle), upper = density.medianBetween(middle, highest);
+        const double doubt = kDoubt * kScatter / std::sqrt(values) *
+                             std::hypot(lower / std::sqrt(middle - from), upper / std::sqrt(highest - middle));
+        return std::max(0.0, lower - upper + doubt) /
+               (calcMeanInverse(from, middle) - calcMeanInverse(middle, highest));
+    }
+};
+
+/// Long windows tell the mains' lines from the noise between them. Short ones tell it from a stop that is touched in
+/// every longer one. What shows least is nearest to the noise.
+NoiseAbove findAbove(const Eigen::MatrixXd& moving, int count, const ExcitedBand& band, double interval,
+                     double resolution, double least) {
+    const double highest = kPassed / interval, from = std::min(kBeyond * band.highest, 0.5 * highest);
+    const double values = count * static_cast<double>(moving.cols()) * interval;
+    const double widest = (from - band.highest) / kLeak;  // that what leaks from the band allows
+    NoiseAbove best{from, highest, {moving, count, interval, resolution, least}, values};
+    for (double width = 2 * resolution; width <= widest; width *= 2) {
+        NoiseAbove other{from, highest, {moving, count, interval, width, least}, values};
+        if (other.power() < best.power()) best = std::move(other);
+    }
+    return best;
 }
 
 /// Of the octaves below the band the least mean of f S(f), unit² Hz as NoiseDensity has it; 0: none is resolved.
-double findPink(const NoiseDensity& density, double lowest, double white) {
+double findPinkBelow(const NoiseDensity& density, double lowest, double white) {
     const double spacing = density.resolution();
     const auto& variances = density.variances();
     double least = 0;
@@ -42,10 +79,12 @@ double findPink(const NoiseDensity& density, double lowest, double white) {
 NoiseDensity estimateNoiseBesideBand(const Eigen::MatrixXd& values, int count, const ExcitedBand& band, double interval,
                                      double resolution, double least) {
     const Eigen::MatrixXd moving = values.colwise() - values.rowwise().mean();
-    const double highest = kPassed / interval, from = std::min(kBeyond * band.highest, 0.5 * highest);
-    const double above = findWhite(moving, count, band, interval, from, highest, resolution, least);
-    const double pink = findPink({moving, count, interval, band.lowest / kLinesBelow, least}, band.lowest, above);
-    const double white = std::max(least, above - pink * std::log(highest / from) / (highest - from));
+    const NoiseAbove above = findAbove(moving, count, band, interval, resolution, least);
+    const double power = above.power();
+    const double pink =
+        std::min(above.findPink(),
+                 findPinkBelow({moving, count, interval, band.lowest / kLinesBelow, least}, band.lowest, power));
+    const double white = std::max(least, power - pink * calcMeanInverse(above.from, above.highest));
     std::vector<double> variances;
     for (double f = 0; f <= 0.5 / interval; f += resolution)
         variances.push_back(white + pink / std::max(f, resolution));

@@ -14,11 +14,12 @@ namespace wems::identify {
 ///
 ///     S(f) = w + p / f.
 ///
-/// Below the band there may be more than noise: a drive that fades out, a table that creeps. Neither falls as 1/f, so
-/// that the octave in which f S(f) is least bounds p. White alone where no octave below the band is resolved.
-/// Above the band a stop that is touched is heard, too. What it makes lasts for moments, so that the lower quartile in
-/// time of short windows leaves it out: ten contacts a second made the noise 30 times too large in windows of 1.3 s, in
-/// those of 0.1 s 1.3 times.
+/// Below the band there may be more than noise: a drive that fades out, a table that creeps, what a stop on one side
+/// makes of a drive. None of it falls as 1/f, so that the octave in which f S(f) is least bounds p; so does what the
+/// spectrum falls by above the band. White alone where no octave below the band is resolved.
+///
+/// Above the band a stop that is touched is heard, too, for moments. The lower quartile in time of short windows leaves
+/// it out: ten contacts a second made the noise 30 times too large in windows of 1.3 s, in those of 0.1 s 1.3 times.
 /// @param values channels x samples
 /// @param count of those that are not zero, ≥ 1
 /// @param resolution Hz, of the answer
