@@ -71,6 +71,7 @@ private:
 /// leaves. Weights of the two in the fused motion.
 class MotionNoise {
 public:
+    /// @param layout with the sensors where the run's readings were corrected to (moveSensors)
     MotionNoise(const TestRun& run, const SensorLayout& layout);
     struct Weights {
         double displacement, acceleration;

@@ -175,6 +175,17 @@ bool SensorErrors::isZero() const {
            corner[1] == 0;
 }
 
+SensorLayout moveSensors(SensorLayout layout, const SensorErrors& errors) {
+    std::vector<int> axes(layout.triaxes.size(), 0);
+    for (const SensorChannel& channel : layout.channels) ++axes[channel.triax];
+    for (SensorChannel& channel : layout.channels) {
+        channel.position += errors.place.col(channel.station);
+        if (axes[channel.triax] < 3)
+            channel.direction = rotationFromVector(errors.rotation.col(channel.triax)).transpose() * channel.direction;
+    }
+    return layout;
+}
+
 namespace {
 
 using Triads = std::vector<std::array<Channel*, 3>>;
