@@ -29,7 +29,7 @@ Lineariser::Lineariser(const TestRun& test, const SensorLayout& layout, const Te
       with_bracket_(BracketEquation::isAvailable(open_, model_)),
       spectra_(open_, std::max(kCountedFrom * test.band.lowest, slow_ ? slow_->highestBalanced() : open_.lowest),
                std::min(kCountedTo * test.band.highest, kOfPass * open_.pass)),
-      motion_noise_(test, moveSensors(layout, state.sensors)),
+      motion_noise_(test, moveSensors(layout, state.sensors, test.recording)),
       noise_(test, open_, model_, motion_noise_, spectra_, slow_.get(), with_bracket_),
       bracket_(open_) {
     calcResiduals();

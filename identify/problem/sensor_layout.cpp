@@ -175,17 +175,6 @@ bool SensorErrors::isZero() const {
            corner[1] == 0;
 }
 
-SensorLayout moveSensors(SensorLayout layout, const SensorErrors& errors) {
-    std::vector<int> axes(layout.triaxes.size(), 0);
-    for (const SensorChannel& channel : layout.channels) ++axes[channel.triax];
-    for (SensorChannel& channel : layout.channels) {
-        channel.position += errors.place.col(channel.station);
-        if (axes[channel.triax] < 3)
-            channel.direction = rotationFromVector(errors.rotation.col(channel.triax)).transpose() * channel.direction;
-    }
-    return layout;
-}
-
 namespace {
 
 using Triads = std::vector<std::array<Channel*, 3>>;
@@ -203,8 +192,17 @@ Triads findTriads(Recording& recording, const SensorLayout& layout) {
     return triads;
 }
 
-bool isComplete(const std::array<Channel*, 3>& triad) {
-    return triad[0] != nullptr && triad[1] != nullptr && triad[2] != nullptr;
+/// Whether the three axes of each triax are recorded, so that it can be turned back by itself.
+std::vector<bool> findComplete(const Recording& recording, const SensorLayout& layout) {
+    std::vector<std::array<bool, 3>> axes(layout.triaxes.size(), {false, false, false});
+    for (const SensorChannel& sensor : layout.channels)
+        if (recording.find(sensor.name))
+            for (std::size_t a = 0; a < 3; ++a)
+                if (sensor.direction == Eigen::Vector3d::Unit(static_cast<Eigen::Index>(a)))
+                    axes[sensor.triax].at(a) = true;
+    std::vector<bool> complete;
+    for (const auto& [x, y, z] : axes) complete.push_back(x && y && z);
+    return complete;
 }
 
 }  // namespace
@@ -227,10 +225,11 @@ Recording correctSensors(const Recording& recording, const SensorLayout& layout,
             removeHighPass(channel.values, corner, kSlowestIntegrated * lowest, interval);
     }
     const Triads triads = findTriads(result, layout);
+    const std::vector<bool> complete = findComplete(recording, layout);
     for (std::size_t t = 0; t < triads.size(); ++t) {
         const auto& triad = triads[t];
         const Eigen::Vector3d rotation = errors.rotation.col(t);
-        if (!isComplete(triad) || rotation.isZero(0.0)) continue;
+        if (!complete[t] || rotation.isZero(0.0)) continue;
         const Eigen::Matrix3d back = rotationFromVector(rotation).transpose();
         for (std::size_t k = 0; k < triad[0]->values.size(); ++k) {
             const Eigen::Vector3d v =
@@ -243,7 +242,7 @@ Recording correctSensors(const Recording& recording, const SensorLayout& layout,
 
 bool placeSensors(Recording& recording, const SensorLayout& layout, const SensorErrors& errors,
                   const RunMotion& motion) {
-    const Triads triads = findTriads(recording, layout);
+    const std::vector<bool> complete = findComplete(recording, layout);
     std::map<std::pair<Part, Derivative>, std::vector<Eigen::Matrix3d>> effects;
     bool moved = false;
     for (Channel& channel : recording.channels) {
@@ -253,7 +252,7 @@ bool placeSensors(Recording& recording, const SensorLayout& layout, const Sensor
         const SensorGroup& group = layout.groups[sensor.group];
         const Eigen::Vector3d place = errors.place.col(sensor.station), rotation = errors.rotation.col(sensor.triax);
         const PartMotion& part = group.part == Part::mobile ? motion.mobile : motion.fixed;
-        const bool turned = !rotation.isZero(0.0) && !isComplete(triads[sensor.triax]);
+        const bool turned = !rotation.isZero(0.0) && !complete[sensor.triax];
         const Eigen::Vector3d seen =
             turned ? Eigen::Vector3d(rotationFromVector(rotation).transpose() * sensor.direction) : sensor.direction;
         if (!turned && place.isZero(0.0)) continue;
@@ -269,6 +268,16 @@ bool placeSensors(Recording& recording, const SensorLayout& layout, const Sensor
                 (seen - sensor.direction).dot(calcPointMotion(part, group.derivative, sensor.position, k));
     }
     return moved;
+}
+
+SensorLayout moveSensors(SensorLayout layout, const SensorErrors& errors, const Recording& recording) {
+    const std::vector<bool> complete = findComplete(recording, layout);
+    for (SensorChannel& channel : layout.channels) {
+        channel.position += errors.place.col(channel.station);
+        if (!complete[channel.triax])
+            channel.direction = rotationFromVector(errors.rotation.col(channel.triax)).transpose() * channel.direction;
+    }
+    return layout;
 }
 
 }  // namespace wems::identify

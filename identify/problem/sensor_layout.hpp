@@ -72,10 +72,6 @@ struct SensorErrors {
     bool operator==(const SensorErrors& other) const;
 };
 
-/// The layout with the places and, of incomplete triads, the directions that errors say: what noise makes of the motion
-/// of corrected readings is what it makes of these sensors.
-SensorLayout moveSensors(SensorLayout layout, const SensorErrors& errors);
-
 /// Of the lowest excited frequency, below which nothing is integrated: half of where displacements from accelerations
 /// count from (0.6), so that the edge lies outside what is used.
 inline constexpr double kSlowestIntegrated = 0.3;
@@ -92,5 +88,9 @@ Recording correctSensors(const Recording& recording, const SensorLayout& layout,
 /// @return whether there was anything to take off
 bool placeSensors(Recording& recording, const SensorLayout& layout, const SensorErrors& errors,
                   const RunMotion& motion);
+
+/// The layout with the places and, of triads that this recording has not whole, the directions that errors say: what
+/// noise makes of the motion of corrected readings is what it makes of these sensors.
+SensorLayout moveSensors(SensorLayout layout, const SensorErrors& errors, const Recording& recording);
 
 }  // namespace wems::identify

@@ -13,10 +13,11 @@ constexpr double kPassed = 0.3;     // of the sampling rate, which an anti-alias
 constexpr double kLinesBelow = 32;  // of the spectrum below the band: three octaves between what leaks from both ends
 constexpr int kLeak = 3;            // lines on each side, of the window of NoiseDensity
 
-constexpr double kDoubt = 2;  // standard deviations, within which noise above the band may fall as 1/f
-// Times the root of how many values there are: of exponential ones the lower quartile over its mean scatters by
-// √(1/4 · 3/4) / (3/4 ln(4/3)), the median over the lines by √(π/2) of that.
-constexpr double kScatter = 2.5;
+// Standard deviations: as much of the noise above the band as chance hides in 98 of 100 cases may fall as 1/f.
+constexpr double kDoubt = 2;
+// Relative scatter of NoiseDensity's power between two frequencies, times the root of how many independent values are
+// there: 1.4 to 1.7 (white noise of one channel and of three, windows of 60 and 240 samples, 200 draws each).
+constexpr double kScatter = 1.7;
 
 /// Of 1/f between two frequencies.
 double calcMeanInverse(double from, double to) {

@@ -8,7 +8,7 @@
 #include "identify/updating/test_problem.hpp"
 #include "models/common/units.hpp"
 #include "tests/hidden/hidden_recording.hpp"
-#include "tests/hidden/random_case.hpp"
+#include "tests/problem/random_drive.hpp"
 #include "tests/seed.hpp"
 
 using namespace wems;
@@ -26,7 +26,7 @@ TEST_CASE("Sensors that errors move are where the layout then has them") {
     SensorErrors errors(layout);
     errors.place.col(0) << 1e-3, 2e-3, 3e-3;
     errors.rotation.col(0) << 0, kPi / 2, 0;
-    const SensorLayout moved = moveSensors(layout, errors);
+    const SensorLayout moved = moveSensors(layout, errors, recording);
     // Of a triad without y the directions are taken off with the motion: a sensor that is turned by R shows R v, the
     // component of v along Rᵀ e.
     const Eigen::Vector3d seen[] = {Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitX()};
@@ -43,13 +43,7 @@ TEST_CASE("The misfit's slope along a sensor's place is that of its column, less
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     hidden::Random random(seed);
-    hidden::CaseOptions options;
-    options.kind = "none";
-    options.sensors = hidden::Sensors::accelerations;
-    options.set_up_kind = "bracket";
-    options.excitation = hidden::Excitation::random;
-    options.time_scale = 1;
-    auto hidden = hidden::drawCase(options, random);
+    auto hidden = drawRandomDrive("bracket", hidden::Sensors::accelerations, random);
     hidden.acceleration_noise *= 10;
     const TestProblem problem({hidden::recordRun(hidden, 0, seed)}, {}, hidden.base);
     const TestView view = problem.view(problem.believedPoint(), {});

@@ -72,7 +72,7 @@ TEST_CASE("What a part does below the band is no noise in it", "[noise density]"
     SECTION("what stops make of the drive, at all frequencies down to zero") {
         const NoiseDensity density =
             estimate(drawShaped([&](double f) { return 1 + (isDriven(f) || f < kLowest ? 1e4 : 0); }, random));
-        // The octave at 1 Hz alone would allow 100 of it at 100 Hz. From 200 to 600 Hz noise is known to a twentieth,
+        // The octave at 1 Hz alone would allow 100 of it at 100 Hz. From 200 to 600 Hz noise is known to a thirtieth,
         // and as much of it may fall as 1/f.
         CHECK(density.at(100) > 0.6);
         CHECK(density.at(100) < 2);
