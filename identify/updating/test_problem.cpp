@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include <Eigen/QR>
+
 #include "identify/motion/parallel.hpp"
 #include "identify/problem/lineariser.hpp"
 #include "identify/problem/open_loop_run.hpp"
