@@ -48,4 +48,13 @@ void carryRivals(Standing& standing, const HypothesisSet& next, std::vector<Rank
     }
 }
 
+void addLessLikely(const HypothesisSet& present, double weight, const std::vector<RankedSet>& others,
+                   std::vector<RankedSet>& ranked) {
+    const auto now = find(ranked, present);
+    if (now == ranked.end()) return;
+    const double shift = now->log_evidence - weight;
+    for (const RankedSet& own : others)
+        if (find(ranked, own.members) == ranked.end()) ranked.push_back({own.members, own.log_evidence + shift});
+}
+
 }  // namespace wems::identify::updating

@@ -16,4 +16,10 @@ void keepRivals(const Standing& standing, std::vector<RankedSet>& ranked);
 /// next one: how likely one is over the other is as it was. Where they were settled is kept with them.
 void carryRivals(Standing& standing, const HypothesisSet& next, std::vector<RankedSet>& ranked);
 
+/// Adds sets that were weighed against the present one and found less likely, by as much as they are so.
+/// @param weight of the present set where they were weighed
+/// @param[in,out] ranked stays as it is without the present set
+void addLessLikely(const HypothesisSet& present, double weight, const std::vector<RankedSet>& others,
+                   std::vector<RankedSet>& ranked);
+
 }  // namespace wems::identify::updating

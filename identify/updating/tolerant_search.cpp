@@ -54,6 +54,7 @@ bool TolerantSearch::takeBest(const Evidence& evidence, const std::vector<Ranked
         take(std::move(*best), standing);
     } else {
         keepRivals(standing, ranked);
+        addLessLikely(standing.state.set, present_, fewer_, ranked);
     }
     sortByEvidence(ranked);
     standing.ranked = std::move(ranked);
@@ -68,6 +69,9 @@ bool TolerantSearch::takeFewer(const Evidence& evidence, Standing& standing, Dec
     if (fewer) {
         standing.ranked = {{fewer->state.set, fewer->log_evidence}, {standing.state.set, present_}};
         take(std::move(*fewer), standing);
+    } else {
+        addLessLikely(standing.state.set, present_, fewer_, standing.ranked);
+        sortByEvidence(standing.ranked);
     }
     decision.action = fewer ? "causes changed" : "no cause is taken back";
     decision.fitted = fitted_;
@@ -82,6 +86,7 @@ void TolerantSearch::begin(const SetState& present) {
     noise_alone_ = isNoiseAlone(all, misfits);
     present_ = settler_.calcLogEvidence(present);
     fitted_.clear();
+    fewer_.clear();
 }
 
 /// The likeliest set with one cause less than the present one that is more so and serves: what was taken first may have
@@ -97,7 +102,10 @@ std::optional<TolerantSearch::Attempt> TolerantSearch::findFewer(const Evidence&
         const double least = best ? best->log_evidence : present_;
         Attempt attempt = settle(trial, present, least);
         if (best) compare(attempt, *best);
-        if (attempt.log_evidence > least && serves(attempt, standing)) best = std::move(attempt);
+        if (!(attempt.log_evidence > least))
+            fewer_.push_back({attempt.state.set, attempt.log_evidence});
+        else if (serves(attempt, standing))
+            best = std::move(attempt);
     }
     return best;
 }
@@ -141,7 +149,8 @@ std::optional<TolerantSearch::Attempt> TolerantSearch::findServing(std::vector<T
 }
 
 /// What the present state leaves hides what tells the best set from its rivals: as many as time allows are settled too,
-/// first those of other causes. A place that was not settled may gain what another one of its cause did.
+/// first those of other causes. A place that was not settled may gain what another one of its cause did, but what is
+/// only supposed of it does not make it likelier than the best one that was settled.
 /// @param[in,out] best the likeliest one that serves
 /// @param[in,out] trials the one of `best` first
 std::vector<RankedSet> TolerantSearch::weighRivals(Attempt& best, std::vector<Trial>& trials, const Standing& standing,
@@ -176,9 +185,8 @@ std::vector<RankedSet> TolerantSearch::weighRivals(Attempt& best, std::vector<Tr
         if (trial.set == present || wanting.count(trial.set) > 0) continue;
         const auto own = settled.find(trial.set);
         const auto alike = shifts.find(nameCauses(trial.set));
-        ranked.push_back({trial.set, own != settled.end()
-                                         ? own->second
-                                         : trial.log_evidence + (alike != shifts.end() ? alike->second : shift)});
+        const double supposed = trial.log_evidence + (alike != shifts.end() ? alike->second : shift);
+        ranked.push_back({trial.set, own != settled.end() ? own->second : std::min(supposed, best.log_evidence)});
     }
     return ranked;
 }

@@ -76,6 +76,7 @@ private:
     double present_ = 0;        // log evidence of the round's set
     std::vector<FittedSet> fitted_;
     std::vector<int> needed_;
+    std::vector<RankedSet> fewer_;     // sets of the round with one cause less that are less likely
     std::set<HypothesisSet> reached_;  // sets with one cause less that were settled to their end and judged
 };
 

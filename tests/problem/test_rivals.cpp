@@ -64,4 +64,14 @@ TEST_CASE("A cause that is exchanged or taken away has no rivals to carry on", "
     CHECK(ranked.size() == 3);
 }
 
+TEST_CASE("A set with one cause less stands beside the present one by what it is less likely", "[updating]") {
+    std::vector<RankedSet> ranked{{{1, 2}, 50.0}, {{1}, 40.0}};
+    addLessLikely({1, 2}, 20.0, {{{1}, 19.5}, {{2}, 18.8}}, ranked);
+    CHECK(ranked.size() == 3);
+    CHECK(weightOf(ranked, {1}) == 40.0);
+    CHECK(weightOf(ranked, {2}) == Approx(48.8));
+    addLessLikely({3}, 20.0, {{{}, 19.5}}, ranked);
+    CHECK(ranked.size() == 3);
+}
+
 }  // namespace wems::identify::updating
