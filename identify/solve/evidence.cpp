@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -37,11 +38,16 @@ Evidence::Evidence(const BlockInformation& information, const std::vector<Direct
         for (const Direction& direction : hypothesis.directions) all.push_back(&direction);
     }
     first_.push_back(all.size());
-    directions_ = Eigen::MatrixXd::Zero(information.b.size(), all.size());
+    // Most directions move one column.
+    std::vector<Eigen::Triplet<double>> weights;
     for (std::size_t d = 0; d < all.size(); ++d)
-        for (const auto& [column, weight] : *all[d]) directions_(column, d) += weight;
-    gram_ = directions_.transpose() * (information.A * directions_);
-    right_ = -directions_.transpose() * information.b;
+        for (const auto& [column, weight] : *all[d]) weights.emplace_back(column, static_cast<int>(d), weight);
+    Eigen::SparseMatrix<double> directions(information.b.size(), static_cast<Eigen::Index>(all.size()));
+    directions.setFromTriplets(weights.begin(), weights.end());
+    const Eigen::MatrixXd moved = information.A * directions;
+    gram_ = directions.transpose() * moved;
+    right_ = -(directions.transpose() * information.b);
+    directions_ = directions;
 }
 
 std::vector<Eigen::Index> Evidence::findRows(const HypothesisSet& set) const {
