@@ -28,10 +28,10 @@ public:
         addNumber("elastomer_stiffness", "stiffness", true);
         addNumber("viscous_damping", "damping", false);
         addNumber("structural_damping", "loss_factor", true);
-        addShaped("friction", "friction_force", "transition_velocity",
+        addShaped("friction", "friction_force", "transition_velocity", true,
                   [&](ConnectionAxis axis) { return list_.at(rowOf(axis, "transition_velocity")).believed; });
-        addNumber("asymmetric_stiffness", "quadratic", false);
-        addNumber("cubic_stiffness", "cubic", false);
+        addNumber("asymmetric_stiffness", "quadratic", false, true);
+        addNumber("cubic_stiffness", "cubic", false, true);
         addNumber("stiffness_drift", "drift", true);
         for (const double corner : {0.5 * scales_.lowest, std::sqrt(scales_.lowest * scales_.highest), scales_.highest})
             addRelaxation(1 / (kTwoPi * corner));
@@ -100,22 +100,38 @@ private:
     }
     bool isStill(double reached) const { return !(reached > kStillAxis * scales_.displacement); }
 
-    void addNumber(const std::string& cause, const std::string& key, bool needs_stiffness) {
-        const auto collect = [&](const std::vector<ConnectionAxis>& axes) {
+    /// What parts alike have of a force goes with their stiffnesses.
+    void addShare(Hypothesis& hypothesis, ConnectionAxis axis, int index) const {
+        const int stiffness = rowOf(axis, "stiffness");
+        if (stiffness < 0) return;
+        const Unknown& number = list_.at(stiffness);
+        if (number.deviation > 0 && number.believed != 0)
+            hypothesis.shares.emplace_back(index, number.deviation / std::abs(number.believed));
+    }
+
+    /// @param of_size a force of a part, not a ratio of its material
+    void addNumber(const std::string& cause, const std::string& key, bool needs_stiffness, bool of_size = false) {
+        const auto isThere = [&](ConnectionAxis axis) {
+            return rowOf(axis, key) >= 0 && !(needs_stiffness && lawOf(axis).stiffness == 0);
+        };
+        for (const ConnectionAxis& axis : list_.axes())
+            if (isThere(axis)) list_.addSingle(cause, list_.placeOf(axis), rowOf(axis, key));
+        for (const std::vector<ConnectionAxis>& axes : list_.axisGroups()) {
             std::vector<PlacedRow> members;
             for (const ConnectionAxis& axis : axes)
-                if (const int index = rowOf(axis, key); index >= 0 && !(needs_stiffness && lawOf(axis).stiffness == 0))
-                    members.emplace_back(list_.placeOf(axis), index);
-            return members;
-        };
-        for (const auto& [place, index] : collect(list_.axes())) list_.addSingle(cause, place, index);
-        for (const std::vector<ConnectionAxis>& axes : list_.axisGroups()) list_.addCommon(cause, collect(axes));
+                if (isThere(axis)) members.emplace_back(list_.placeOf(axis), rowOf(axis, key));
+            Hypothesis* const common = list_.addCommon(cause, members);
+            if (common == nullptr || !of_size) continue;
+            for (const ConnectionAxis& axis : axes)
+                if (isThere(axis)) addShare(*common, axis, rowOf(axis, key));
+        }
     }
 
     /// A mechanism with an amplitude, zero in the model, and a shape in which the law is not linear: sought at one
     /// value of the shape, moved from there.
+    /// @param of_size whether the amplitude is a force of a part, not a ratio of its material
     /// @param shapeOf value at an axis; 0 where the mechanism is not sought
-    void addShaped(const std::string& cause, const std::string& amplitude, const std::string& shape,
+    void addShaped(const std::string& cause, const std::string& amplitude, const std::string& shape, bool of_size,
                    const std::function<double(ConnectionAxis axis)>& shapeOf) {
         std::map<ConnectionAxis, int> probes;
         const auto probeOf = [&](ConnectionAxis axis) {
@@ -130,19 +146,22 @@ private:
         const auto addSet = [&](const std::vector<ConnectionAxis>& axes) {
             Direction direction, sizes, forms;
             Hypothesis hypothesis;
+            // Parts alike have one shape: as the axis that moves most shows it.
+            double one = 0;
+            for (const ConnectionAxis& axis : axes) one = std::max(one, probeOf(axis) < 0 ? 0.0 : shapeOf(axis));
             for (const ConnectionAxis& axis : axes) {
                 const int probe = probeOf(axis);
                 if (probe < 0) continue;
                 const int size = rowOf(axis, amplitude), form = rowOf(axis, shape);
-                const double value = shapeOf(axis);
                 hypothesis.where.push_back(list_.placeOf(axis));
                 direction.emplace_back(probe, list_.at(size).reach);
                 sizes.emplace_back(size, list_.at(size).reach);
-                forms.emplace_back(form, value);
-                hypothesis.start.emplace_back(form, value);
+                forms.emplace_back(form, one);
+                hypothesis.start.emplace_back(form, one);
                 hypothesis.moves.emplace_back(probe, size);
                 hypothesis.reported.push_back(size);
                 hypothesis.reported.push_back(form);
+                if (of_size && axes.size() > 1) addShare(hypothesis, axis, size);
             }
             if (direction.empty()) return;
             hypothesis.cause = cause;
@@ -157,14 +176,14 @@ private:
 
     /// @param time_constant s
     void addRelaxation(double time_constant) {
-        addShaped("relaxation", "stiffness_ratio", "time_constant", [&, time_constant](ConnectionAxis axis) {
+        addShaped("relaxation", "stiffness_ratio", "time_constant", false, [&, time_constant](ConnectionAxis axis) {
             return lawOf(axis).stiffness == 0 || lawOf(axis).relaxation ? 0.0 : time_constant;
         });
     }
 
     /// @param part of the largest displacement of the axis, where sliding begins
     void addHysteresis(double part) {
-        addShaped("hysteresis", "hysteresis_force", "yield_displacement", [&, part](ConnectionAxis axis) {
+        addShaped("hysteresis", "hysteresis_force", "yield_displacement", true, [&, part](ConnectionAxis axis) {
             const double reached = std::max(reachOf(axis, Side::positive), reachOf(axis, Side::negative));
             return lawOf(axis).hysteresis || isStill(reached) ? 0.0 : part * reached;
         });

@@ -32,8 +32,8 @@ Hypothesis& HypothesisList::addSingle(const std::string& cause, const std::strin
     return hypothesis;
 }
 
-void HypothesisList::addCommon(const std::string& cause, const std::vector<PlacedRow>& members) {
-    if (members.size() < 2) return;
+Hypothesis* HypothesisList::addCommon(const std::string& cause, const std::vector<PlacedRow>& members) {
+    if (members.size() < 2) return nullptr;
     Direction direction;
     std::vector<std::string> where;
     std::vector<int> rows;
@@ -46,6 +46,7 @@ void HypothesisList::addCommon(const std::string& cause, const std::vector<Place
     Hypothesis& hypothesis = add(cause, where);
     hypothesis.directions = {direction};
     hypothesis.reported = rows;
+    return &hypothesis;
 }
 
 void HypothesisList::addEach(const std::string& cause, const std::vector<std::string>& where,

@@ -32,8 +32,8 @@ public:
 
     Hypothesis& add(const std::string& cause, std::vector<std::string> where);
     Hypothesis& addSingle(const std::string& cause, const std::string& where, int index);
-    /// One factor for all rows of a list; nothing for fewer than two.
-    void addCommon(const std::string& cause, const std::vector<PlacedRow>& members);
+    /// One factor for all rows of a list. @return the hypothesis until the next is added; null for fewer than two rows
+    Hypothesis* addCommon(const std::string& cause, const std::vector<PlacedRow>& members);
     /// Each row by itself.
     void addEach(const std::string& cause, const std::vector<std::string>& where, const std::vector<int>& rows);
     /// @return the probe's column

@@ -33,6 +33,9 @@ struct Hypothesis {
     std::vector<std::string> where;  ///< `4.z`, `body`, `mobile.1.az`
     std::vector<Direction> directions;
     std::vector<int> reported;  ///< rows of the parameter table that results list
+    /// Rows of a direction that know each one's part of it to a relative standard deviation, about what it has in
+    /// common.
+    std::vector<std::pair<int, double>> shares;
 
     /// Where the law is not linear in a number, the directions above are of columns far from the state. Once taken, the
     /// state moves there, these rows count from their new values, and `tangent` replaces the directions.

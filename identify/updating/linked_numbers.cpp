@@ -19,6 +19,17 @@ double calcCommonFactor(const UnknownTable& table, const Direction& direction, c
     return *middle;
 }
 
+void addShares(const Hypothesis& hypothesis, const Eigen::VectorXd& estimate, Eigen::VectorXd& deviation) {
+    for (const auto& [column, part] : hypothesis.shares) deviation[column] = part * std::abs(estimate[column]);
+}
+
+void keepShares(const Hypothesis& hypothesis, const Eigen::VectorXd& before, Eigen::VectorXd& estimate) {
+    for (const auto& [column, part] : hypothesis.shares) {
+        const double common = estimate[column], tolerance = 2 * part * std::abs(common);
+        estimate[column] = std::clamp(before[column], common - tolerance, common + tolerance);
+    }
+}
+
 CarriedRows findCarried(const UnknownTable& table, const SensorLayout& layout) {
     std::vector<int> connection_of(layout.stations.size(), -1);
     for (const SensorChannel& channel : layout.channels) connection_of[channel.station] = channel.connection;

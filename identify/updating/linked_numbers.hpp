@@ -1,7 +1,8 @@
 /// @file
 /// Numbers that are off together. A tolerance is a part of a number: what a factor makes of believed numbers departs
-/// from it by their tolerances times the factor. A connection that is not where it is believed has the sensors there
-/// with it, and they have their own tolerance about that.
+/// from it by their tolerances times the factor. How much of a mechanism parts alike have goes with their stiffnesses,
+/// each of which is believed to its tolerance. A connection that is not where it is believed has the sensors there with
+/// it, and they have their own tolerance about that.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,6 +19,16 @@ namespace wems::identify::updating {
 /// them besides. 1 for a single number, and where any is believed to be zero.
 /// @param estimate of each column, from the believed state
 double calcCommonFactor(const UnknownTable& table, const Direction& direction, const Eigen::VectorXd& estimate);
+
+/// Standard deviations of the columns that a hypothesis knows by their shares of what is common.
+/// @param estimate of each column, from the believed state
+/// @param[in,out] deviation of each column by itself
+void addShares(const Hypothesis& hypothesis, const Eigen::VectorXd& estimate, Eigen::VectorXd& deviation);
+
+/// Leaves such columns where they were, as far as their tolerances about what is common allow.
+/// @param before of each column, from the believed state
+/// @param[in,out] estimate what is common; the same with each one's own part
+void keepShares(const Hypothesis& hypothesis, const Eigen::VectorXd& before, Eigen::VectorXd& estimate);
 
 /// Rows of a connection's position, each beside that of the place of a sensor there.
 using CarriedRows = std::vector<std::pair<int, int>>;

@@ -1,12 +1,11 @@
 #include "identify/updating/test_problem.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
-
-#include <Eigen/QR>
 
 #include "identify/motion/parallel.hpp"
 #include "identify/problem/lineariser.hpp"
@@ -105,6 +104,8 @@ std::vector<Direction> TestProblem::tolerances(const HypothesisSet& set, const E
             const double factor = calcCommonFactor(table_, direction, estimate);
             for (const auto& [column, weight] : direction) own[column] *= factor;
         }
+    if (numbers_ == Numbers::within_tolerances)
+        for (const int h : set) addShares(catalogue_.hypotheses[h], estimate, own);
     return linkTolerances(own, carried_);
 }
 
@@ -162,7 +163,10 @@ TestPoint TestProblem::reduce(const TestPoint& point, const HypothesisSet& set) 
     const Eigen::VectorXd nearest =
         spanned.cols() > 0 ? Eigen::VectorXd(spanned * spanned.completeOrthogonalDecomposition().solve(scaled))
                            : Eigen::VectorXd::Zero(own.size());
-    return pointAt((own.array() > 0).select(before, nearest.cwiseProduct(reach)), set);
+    Eigen::VectorXd estimate = (own.array() > 0).select(before, nearest.cwiseProduct(reach));
+    if (numbers_ == Numbers::within_tolerances)
+        for (const int h : set) keepShares(catalogue_.hypotheses[h], before, estimate);
+    return pointAt(estimate, set);
 }
 
 std::optional<TestPoint> TestProblem::goToProbes(const TestPoint& point, const HypothesisSet& set) const {

@@ -78,7 +78,7 @@ public:
     /// The inverse of pointAt within the limits: values minus believed ones.
     Eigen::VectorXd estimateOf(const TestPoint& point) const;
     /// The nearest point that a set can state: what neither a tolerance nor the set moves is as believed, and numbers
-    /// that it moves by one factor have one.
+    /// that it moves by one factor have one, to their tolerances.
     TestPoint reduce(const TestPoint& point, const HypothesisSet& set) const;
     /// Of what drives a run: white noise of the density in the middle of what it is excited by.
     DriveNoise calcDriveNoise(std::size_t run) const;
