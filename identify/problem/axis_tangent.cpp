@@ -9,6 +9,8 @@ AxisTangent::AxisTangent(const OpenLoopRun& run, const AxisLaw& law, Eigen::Inde
     AxisLaw bare = law;
     bare.stops.clear();
     spring_ = calcTangent(run, bare, row);
+    if (law.drift != 0)
+        for (Eigen::Index k = 0; k < spring_.size(); ++k) spring_[k] += law.stiffness * law.drift * run.time[k];
     const DynamicStiffness whole = calcDynamicStiffness(run, law, row), without = calcDynamicStiffness(run, bare, row);
     stop_stiffness_ = whole.stiffness - without.stiffness;
     stop_damping_ = whole.damping - without.damping;
@@ -17,7 +19,7 @@ AxisTangent::AxisTangent(const OpenLoopRun& run, const AxisLaw& law, Eigen::Inde
         sliding_force_ = law.friction->force;
         sliding_ = SlidingDerivative(run.quiet.of(row), law.friction->transition_velocity);
     }
-    is_beyond_mean_ = sliding_force_ != 0 || !path_.isZero() ||
+    is_beyond_mean_ = sliding_force_ != 0 || law.drift != 0 || !path_.isZero() ||
                       (calcTangent(run, law, row).array() != AxisForce(law).calcStaticStiffness(0)).any();
 }
 

@@ -59,14 +59,6 @@ void Lineariser::prepareColumns() {
         varies_ = varies_ || axis_tangents_.back().isBeyondMean();
     }
     spanContacts();
-    for (Eigen::Index row = 0; row < axes; ++row) {
-        const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
-        Eigen::MatrixXcd white(12, spectra_.binCount());
-        for (Eigen::Index b = 0; b < white.cols(); ++b)
-            white.col(b) = noise_.whitener(b).leftCols<6>() * d.cast<Complex>();
-        if (!with_bracket_) white.bottomRows(6).setZero();
-        axis_white_.push_back(std::move(white));
-    }
 }
 
 void Lineariser::addContact(Eigen::Index row, const Vector6& direction) {
@@ -121,14 +113,9 @@ Eigen::MatrixXcd Lineariser::calcLawColumn(const TestState& from, const TestStat
     const Eigen::VectorXd change =
         (calcAxisForce(open_, to.model.connections[c].axis[a], connection, axis) - before) / step;
     if (change.isZero(0.0)) return {};
-    const Eigen::MatrixXcd spectrum = spectra_.transform(change.transpose());
-    Eigen::MatrixXcd white = axis_white_[3 * c + a];
-    for (Eigen::Index b = 0; b < white.cols(); ++b) white.col(b) *= spectrum(0, b);
-    if (slow_) {
-        const Vector6 d = calcAxisDirection(model_, connection, axis);
-        white -= whiten(spectra_.transform(slow_->calcForces(slow_->solve(change, d))), {});
-    }
-    return white;
+    Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(6, open_.sampleCount());
+    addAxisWrench(open_, model_, connection, axis, change, wrench);
+    return whiten(transformMount(wrench), {});
 }
 
 Eigen::VectorXd Lineariser::calcBursts(const Eigen::MatrixXcd& white) const {
@@ -260,20 +247,40 @@ Eigen::MatrixXcd Lineariser::calcEdges(const SensorEffect& effect) const {
     return edges;
 }
 
+Eigen::MatrixXd Lineariser::calcTurningDirection(Eigen::Index row) const {
+    const Eigen::Vector3d& r = model_.connections[row / 3].position;
+    Eigen::MatrixXd direction(6, open_.sampleCount());
+    for (Eigen::Index k = 0; k < direction.cols(); ++k) {
+        const Eigen::Vector3d along = open_.fixed.R[k].col(row % 3);
+        direction.col(k) << along, (open_.mobile.R[k] * r).cross(along);
+    }
+    return direction;
+}
+
+Eigen::MatrixXd Lineariser::calcFixedLever(Eigen::Index row, const Eigen::MatrixXd& direction) const {
+    Eigen::MatrixXd lever = direction;
+    for (Eigen::Index k = 0; k < lever.cols(); ++k) {
+        const Eigen::Vector3d p_FM = open_.mobile.p.col(k) - open_.fixed.p.col(k);
+        lever.col(k).tail<3>() += p_FM.cross(open_.fixed.R[k].col(row % 3));
+    }
+    return lever;
+}
+
 Eigen::MatrixXd Lineariser::calcBeyondMean(const SensorEffect& effect) const {
     const bool mobile = effect.part == Part::mobile;
     const double sign = mobile ? 1.0 : -1.0;
     Eigen::MatrixXd contact = Eigen::MatrixXd::Zero(6, open_.sampleCount());
+    Eigen::MatrixXd motion = contact, rate = contact;
+    for (const auto& group : effect.groups) {
+        motion.noalias() += group.turn * group.signals->samples.at(0).transpose();
+        rate.noalias() += group.turn * group.signals->samples.at(1).transpose();
+    }
     for (Eigen::Index row = 0; row < tangent_.rows(); ++row) {
         if (!axis_tangents_[row].isBeyondMean()) continue;
-        const Vector6 d = calcAxisDirection(model_, static_cast<int>(row / 3), static_cast<int>(row % 3));
-        Eigen::VectorXd q = Eigen::VectorXd::Zero(open_.sampleCount()), v = q;
-        for (const auto& group : effect.groups) {
-            const Vector6 weights = sign * group.turn.transpose() * d;
-            q.noalias() += group.signals->samples.at(0) * weights;
-            v.noalias() += group.signals->samples.at(1) * weights;
-        }
-        contact.noalias() += d * axis_tangents_[row].calcBeyondMean(q, v).transpose();
+        const Eigen::MatrixXd wrench = calcTurningDirection(row), lever = mobile ? wrench : calcFixedLever(row, wrench);
+        const Eigen::VectorXd q = sign * lever.cwiseProduct(motion).colwise().sum(),
+                              v = sign * lever.cwiseProduct(rate).colwise().sum();
+        contact += wrench * axis_tangents_[row].calcBeyondMean(q, v).asDiagonal();
     }
     if (!slow_) return contact;
     // The slow motion follows what contact and the mean laws make together: what an error has below the band is

@@ -44,7 +44,8 @@ public:
     /// Spectra of a wrench of the mount's equation, the slow motion following it.
     Eigen::MatrixXcd transformMount(const Eigen::MatrixXd& wrench) const;
 
-    /// Whitened: the force's spectrum along the whitened direction of its axis.
+    /// Whitened. The force turns with the parts, as in the residual: where it is large, what it has across the axis at
+    /// rest is far above the noise.
     Eigen::MatrixXcd calcLawColumn(const TestState& from, const TestState& to, int connection, int axis,
                                    double step) const;
 
@@ -111,6 +112,11 @@ private:
     Eigen::MatrixXcd calcModalEdges(const Eigen::MatrixXd& accelerations, const Eigen::MatrixXcd& tapered) const;
     /// Wrench (6 x samples) that contact makes of an error beyond the mean laws, and the slow motion that follows.
     Eigen::MatrixXd calcBeyondMean(const SensorEffect& effect) const;
+    /// At each sample the wrench (6 x samples) of a force of 1 N along an axis, which turns with the parts. It is also
+    /// how the displacement there answers to the mobile part's motion (translation above rotation).
+    Eigen::MatrixXd calcTurningDirection(Eigen::Index row) const;
+    /// How it answers to the fixed part's, with the other sign. @param direction calcTurningDirection
+    Eigen::MatrixXd calcFixedLever(Eigen::Index row, const Eigen::MatrixXd& direction) const;
     void addContact(Eigen::Index row, const Vector6& direction);
     void spanContacts();
     Modal makeModal(const BracketMode& mode) const;
@@ -147,7 +153,6 @@ private:
     std::vector<Contact> contacts_;
     Eigen::MatrixXd contact_basis_;  // 6 x directions that are independent
     bool varies_ = false;
-    std::vector<Eigen::MatrixXcd> axis_white_;
     std::vector<Modal> modal_;
     Eigen::MatrixXcd inputs_, input_spectra_, white_;
 };

@@ -49,7 +49,7 @@ struct Swing {
 
 // Against central differences of the force itself, with steps of a ten-thousandth of the motion. Where it turns, or a
 // gap opens, the force has a corner, which the differences round: three seeds leave up to 0.1 %, of the gap 1 %.
-TEST_CASE("What is dragged along answers to a small change of the motion as differences say") {
+TEST_CASE("What a force has beside spring and damper answers to a small change of the motion as differences say") {
     const unsigned seed = test::drawSeed();
     CAPTURE(seed);
     std::mt19937 random(seed);
@@ -82,5 +82,9 @@ TEST_CASE("What is dragged along answers to a small change of the motion as diff
     SECTION("friction that creeps first") {
         law.friction = Friction{30, 1e-3, 2e5};
         check(0.01);
+    }
+    SECTION("a stiffness that drifts") {
+        law.drift = 0.02 + 0.1 * draw(random);
+        check(1e-6);
     }
 }
