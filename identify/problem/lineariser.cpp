@@ -247,25 +247,6 @@ Eigen::MatrixXcd Lineariser::calcEdges(const SensorEffect& effect) const {
     return edges;
 }
 
-Eigen::MatrixXd Lineariser::calcTurningDirection(Eigen::Index row) const {
-    const Eigen::Vector3d& r = model_.connections[row / 3].position;
-    Eigen::MatrixXd direction(6, open_.sampleCount());
-    for (Eigen::Index k = 0; k < direction.cols(); ++k) {
-        const Eigen::Vector3d along = open_.fixed.R[k].col(row % 3);
-        direction.col(k) << along, (open_.mobile.R[k] * r).cross(along);
-    }
-    return direction;
-}
-
-Eigen::MatrixXd Lineariser::calcFixedLever(Eigen::Index row, const Eigen::MatrixXd& direction) const {
-    Eigen::MatrixXd lever = direction;
-    for (Eigen::Index k = 0; k < lever.cols(); ++k) {
-        const Eigen::Vector3d p_FM = open_.mobile.p.col(k) - open_.fixed.p.col(k);
-        lever.col(k).tail<3>() += p_FM.cross(open_.fixed.R[k].col(row % 3));
-    }
-    return lever;
-}
-
 Eigen::MatrixXd Lineariser::calcBeyondMean(const SensorEffect& effect) const {
     const bool mobile = effect.part == Part::mobile;
     const double sign = mobile ? 1.0 : -1.0;
@@ -275,12 +256,32 @@ Eigen::MatrixXd Lineariser::calcBeyondMean(const SensorEffect& effect) const {
         motion.noalias() += group.turn * group.signals->samples.at(0).transpose();
         rate.noalias() += group.turn * group.signals->samples.at(1).transpose();
     }
-    for (Eigen::Index row = 0; row < tangent_.rows(); ++row) {
-        if (!axis_tangents_[row].isBeyondMean()) continue;
-        const Eigen::MatrixXd wrench = calcTurningDirection(row), lever = mobile ? wrench : calcFixedLever(row, wrench);
-        const Eigen::VectorXd q = sign * lever.cwiseProduct(motion).colwise().sum(),
-                              v = sign * lever.cwiseProduct(rate).colwise().sum();
-        contact += wrench * axis_tangents_[row].calcBeyondMean(q, v).asDiagonal();
+    const std::size_t connections = model_.connections.size();
+    for (std::size_t c = 0; c < connections; ++c) {
+        const auto isBeyondMean = [&](std::size_t axis) { return axis_tangents_[3 * c + axis].isBeyondMean(); };
+        if (!isBeyondMean(0) && !isBeyondMean(1) && !isBeyondMean(2)) continue;
+        const Eigen::Vector3d& r = model_.connections[c].position;
+        Eigen::Matrix3Xd q(3, open_.sampleCount()), v = q, arm = q, f = Eigen::Matrix3Xd::Zero(3, open_.sampleCount());
+        for (Eigen::Index k = 0; k < q.cols(); ++k) {
+            const Eigen::Matrix3d& R_F = open_.fixed.R[k];
+            arm.col(k) = open_.mobile.R[k] * r;
+            Eigen::Vector3d lever = arm.col(k);
+            if (!mobile) lever += open_.mobile.p.col(k) - open_.fixed.p.col(k);
+            const auto relate = [&](const auto& own) {
+                return Eigen::Vector3d(sign * R_F.transpose() *
+                                       (own.template head<3>() + own.template tail<3>().cross(lever)));
+            };
+            q.col(k) = relate(motion.col(k));
+            v.col(k) = relate(rate.col(k));
+        }
+        for (std::size_t a = 0; a < 3; ++a)
+            if (isBeyondMean(a))
+                f.row(a) = axis_tangents_[3 * c + a].calcBeyondMean(q.row(a).transpose(), v.row(a).transpose());
+        for (Eigen::Index k = 0; k < q.cols(); ++k) {
+            const Eigen::Vector3d force = open_.fixed.R[k] * f.col(k);
+            contact.col(k).head<3>() += force;
+            contact.col(k).tail<3>() += arm.col(k).cross(force);
+        }
     }
     if (!slow_) return contact;
     // The slow motion follows what contact and the mean laws make together: what an error has below the band is

@@ -110,13 +110,9 @@ private:
     /// The same of the bracket's motion: a mode answers to what has been, and its whole response is tapered.
     Eigen::MatrixXcd calcBracketEdges(const SensorEffect& effect) const;
     Eigen::MatrixXcd calcModalEdges(const Eigen::MatrixXd& accelerations, const Eigen::MatrixXcd& tapered) const;
-    /// Wrench (6 x samples) that contact makes of an error beyond the mean laws, and the slow motion that follows.
+    /// Wrench (6 x samples) that contact makes of an error beyond the mean laws, as it turns with the parts, and the
+    /// slow motion that follows.
     Eigen::MatrixXd calcBeyondMean(const SensorEffect& effect) const;
-    /// At each sample the wrench (6 x samples) of a force of 1 N along an axis, which turns with the parts. It is also
-    /// how the displacement there answers to the mobile part's motion (translation above rotation).
-    Eigen::MatrixXd calcTurningDirection(Eigen::Index row) const;
-    /// How it answers to the fixed part's, with the other sign. @param direction calcTurningDirection
-    Eigen::MatrixXd calcFixedLever(Eigen::Index row, const Eigen::MatrixXd& direction) const;
     void addContact(Eigen::Index row, const Vector6& direction);
     void spanContacts();
     Modal makeModal(const BracketMode& mode) const;
