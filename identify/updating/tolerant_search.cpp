@@ -276,7 +276,8 @@ const char* TolerantSearch::findRefusal(const Attempt& attempt, const Standing& 
         blames_sensor = blames_sensor || sensor;
         must_improve = must_improve || (!attempt.needed && !sensor);
     }
-    if (must_improve)
+    // What takes the place of other causes has to do as well as they do.
+    if (must_improve && next.set.size() > present.size())
         return isImproved(standing.judged, attempt.judged) ? nullptr : "the prediction is no better with it";
     // A fault of sensors has no part in the prediction: whatever is worse with it was made up for by others.
     const bool spoilt = blames_sensor ? !(attempt.judged.error <= (1 + kWorth) * standing.judged.error)
