@@ -164,17 +164,6 @@ Eigen::VectorXd SlowBalance::solveHeld(const Eigen::Ref<const Eigen::MatrixXd>& 
     return factor_.solve(right.reshaped());
 }
 
-Eigen::VectorXd SlowBalance::solve(const Eigen::Ref<const Eigen::VectorXd>& force,
-                                   const Eigen::Matrix<double, 6, 1>& direction) const {
-    Eigen::RowVectorXd right = Eigen::RowVectorXd::Zero(splines_);
-    for (Eigen::Index k = 0; k < force.size(); ++k) {
-        const Weights& weights = weights_[k];
-        for (int i = 0; i < 4; ++i) right[weights.first + i] += taper_[k] * weights.value[0][i] * force[k];
-    }
-    const Eigen::MatrixXd all = freedom_.cwiseProduct(direction) * right;
-    return factor_.solve(all.reshaped());
-}
-
 Eigen::MatrixXd SlowBalance::calcMotion(const Eigen::Ref<const Eigen::VectorXd>& coefficients, int derivative) const {
     return sumSplines(coefficients.reshaped(6, splines_), derivative);
 }

@@ -44,9 +44,6 @@ public:
     /// A⁻¹ (Bᵀ R + H c) where a run has followed c: H holds it at 0 where the window hides all. Newton's step back.
     Eigen::VectorXd solveHeld(const Eigen::Ref<const Eigen::MatrixXd>& residual,
                               const Eigen::Ref<const Eigen::VectorXd>& followed) const;
-    /// The same of a force history along a fixed direction.
-    Eigen::VectorXd solve(const Eigen::Ref<const Eigen::VectorXd>& force,
-                          const Eigen::Matrix<double, 6, 1>& direction) const;
     /// K B c: 6 x samples.
     Eigen::MatrixXd calcForces(const Eigen::Ref<const Eigen::VectorXd>& coefficients) const;
     /// P R.
