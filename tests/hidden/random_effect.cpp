@@ -233,7 +233,8 @@ private:
     /// A channel, a triax, or a whole side. The quantity is added when the recording's channels are known.
     void drawSensor() {
         const std::string side = !set_up_.records_fixed || coin(0.7) ? "mobile" : "fixed";
-        const std::string triax = side + "." + drawConnection().name;
+        // A one-axis rig has its sensors at the first connection.
+        const std::string triax = side + "." + (set_up_.oneAxis() ? base_.connections.front() : drawConnection()).name;
         std::string place = triax;
         if (effect_.cause == "sensor_gain") {
             place = triax + "." + drawAxis();

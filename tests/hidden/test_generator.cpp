@@ -130,6 +130,23 @@ TEST_CASE("A believed model is off by no more than its tolerances, and by someth
     CHECK(stateTolerances(makeSmallErrors(0), 1).find(ToleranceOf::mass) == Approx(0.0));
 }
 
+TEST_CASE("A sensor at fault is one that is recorded") {
+    const unsigned seed = test::drawSeed();
+    CAPTURE(seed);
+    Random random(seed);
+    CaseOptions options;
+    options.kind = "sensor_gain";
+    options.level = 1;
+    options.set_up_kind = GENERATE("bracket", "base", "axis");
+    for (int draw = 0; draw < 5; ++draw) {
+        const HiddenCase hidden = drawCase(options, random);
+        REQUIRE(hidden.effects.size() == 1);
+        if (hidden.effects.front().cause != options.kind) continue;  // another one, where none of its devices showed it
+        CAPTURE(hidden.effects.front().where);
+        CHECK(recordRun(hidden, 0, seed).find(hidden.effects.front().where.front()) != nullptr);
+    }
+}
+
 TEST_CASE("Without noise and small errors the true model follows the recording, in every set-up") {
     const auto seed = test::drawSeed();
     CAPTURE(seed);
