@@ -56,7 +56,13 @@ void Lineariser::prepareColumns() {
         mean_stiffness_ += axis_tangents_.back().meanStiffness() * d * d.transpose();
         mean_damping_ += axis_tangents_.back().meanDamping() * d * d.transpose();
         if ((tangent_.row(row).array() != rest_tangent_[row]).any()) addContact(row, d);
-        varies_ = varies_ || axis_tangents_.back().isBeyondMean();
+        unit_wrenches_.emplace_back();
+        if (!axis_tangents_.back().isBeyondMean()) continue;
+        varies_ = true;
+        Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(6, open_.sampleCount());
+        addAxisWrench(open_, model_, static_cast<int>(row / 3), static_cast<int>(row % 3),
+                      Eigen::VectorXd::Ones(wrench.cols()), wrench);
+        unit_wrenches_.back() = wrench;
     }
     spanContacts();
 }
@@ -250,38 +256,27 @@ Eigen::MatrixXcd Lineariser::calcEdges(const SensorEffect& effect) const {
 Eigen::MatrixXd Lineariser::calcBeyondMean(const SensorEffect& effect) const {
     const bool mobile = effect.part == Part::mobile;
     const double sign = mobile ? 1.0 : -1.0;
-    Eigen::MatrixXd contact = Eigen::MatrixXd::Zero(6, open_.sampleCount());
-    Eigen::MatrixXd motion = contact, rate = contact;
+    Matrix6X contact = Matrix6X::Zero(6, open_.sampleCount());
+    Matrix6X motion = contact, rate = contact;
     for (const auto& group : effect.groups) {
         motion.noalias() += group.turn * group.signals->samples.at(0).transpose();
         rate.noalias() += group.turn * group.signals->samples.at(1).transpose();
     }
-    const std::size_t connections = model_.connections.size();
-    for (std::size_t c = 0; c < connections; ++c) {
-        const auto isBeyondMean = [&](std::size_t axis) { return axis_tangents_[3 * c + axis].isBeyondMean(); };
-        if (!isBeyondMean(0) && !isBeyondMean(1) && !isBeyondMean(2)) continue;
-        const Eigen::Vector3d& r = model_.connections[c].position;
-        Eigen::Matrix3Xd q(3, open_.sampleCount()), v = q, arm = q, f = Eigen::Matrix3Xd::Zero(3, open_.sampleCount());
-        for (Eigen::Index k = 0; k < q.cols(); ++k) {
-            const Eigen::Matrix3d& R_F = open_.fixed.R[k];
-            arm.col(k) = open_.mobile.R[k] * r;
-            Eigen::Vector3d lever = arm.col(k);
-            if (!mobile) lever += open_.mobile.p.col(k) - open_.fixed.p.col(k);
-            const auto relate = [&](const auto& own) {
-                return Eigen::Vector3d(sign * R_F.transpose() *
-                                       (own.template head<3>() + own.template tail<3>().cross(lever)));
-            };
-            q.col(k) = relate(motion.col(k));
-            v.col(k) = relate(rate.col(k));
+    // The displacement along an axis is what the wrench of a unit force there does work on: at the connection, and for
+    // the fixed part, at the same place of space.
+    if (!mobile)
+        for (Eigen::Index k = 0; k < contact.cols(); ++k) {
+            const Eigen::Vector3d p_FM = open_.mobile.p.col(k) - open_.fixed.p.col(k);
+            motion.col(k).head<3>() += motion.col(k).tail<3>().cross(p_FM);
+            rate.col(k).head<3>() += rate.col(k).tail<3>().cross(p_FM);
         }
-        for (std::size_t a = 0; a < 3; ++a)
-            if (isBeyondMean(a))
-                f.row(a) = axis_tangents_[3 * c + a].calcBeyondMean(q.row(a).transpose(), v.row(a).transpose());
-        for (Eigen::Index k = 0; k < q.cols(); ++k) {
-            const Eigen::Vector3d force = open_.fixed.R[k] * f.col(k);
-            contact.col(k).head<3>() += force;
-            contact.col(k).tail<3>() += arm.col(k).cross(force);
-        }
+    for (std::size_t row = 0; row < axis_tangents_.size(); ++row) {
+        if (!axis_tangents_[row].isBeyondMean()) continue;
+        const Matrix6X& wrench = unit_wrenches_[row];
+        const Eigen::VectorXd q = sign * wrench.cwiseProduct(motion).colwise().sum().transpose();
+        const Eigen::VectorXd v = sign * wrench.cwiseProduct(rate).colwise().sum().transpose();
+        const Eigen::VectorXd force = axis_tangents_[row].calcBeyondMean(q, v);
+        for (Eigen::Index k = 0; k < contact.cols(); ++k) contact.col(k) += force[k] * wrench.col(k);
     }
     if (!slow_) return contact;
     // The slow motion follows what contact and the mean laws make together: what an error has below the band is

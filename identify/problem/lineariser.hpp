@@ -98,6 +98,8 @@ public:
     double calcContactShare() const;
 
 private:
+    using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
     /// What all columns of a mode share: the spectrum of its force (BracketEquation::calcSpectra), and at each bin its
     /// coordinate and its whitened shape.
     struct Modal {
@@ -137,6 +139,8 @@ private:
     Eigen::MatrixXd mount_series_;
     AxisSeries forces_, tangent_;
     std::vector<AxisTangent> axis_tangents_;
+    /// On the mobile part by a unit force of each axis (6 x samples); empty where the tangent is its mean.
+    std::vector<Matrix6X> unit_wrenches_;
     Matrix6 mean_stiffness_ = Matrix6::Zero(), mean_damping_ = Matrix6::Zero();  // of the relative motion
     Eigen::VectorXd rest_tangent_;
     /// Of an axis that touches a stop: instants of contact, and the noise's deviation there beyond the even one, N.
