@@ -192,9 +192,9 @@ Settler::Settling Settler::settle(SetState& state, int most, bool with_validatio
 
 /// The point towards which a quadratic leads, as far as the equations themselves bear out what it promises. The view
 /// was made at `point`: there the quadratic is what the equations say.
-Settler::Step Settler::advance(const Information& all, const TestView& view, const HypothesisSet& set,
-                               const BlockScales& scales, double least, bool with_validation, double first_damping,
-                               bool held, StepMemory& memory, TestPoint& point, TestMisfit& reached) const {
+Settler::Step Settler::advance(const Information& all, const HypothesisSet& set, const BlockScales& scales,
+                               double least, bool with_validation, double first_damping, bool held, StepMemory& memory,
+                               TestPoint& point, TestMisfit& reached) const {
     const Eigen::VectorXd present = problem_.estimateOf(point), slope = calcPriorSlope(problem_, present, set);
     const SetEvidence evidence(problem_, all, scales, set, present, Growth::followed);
     const Eigen::VectorXd target =
@@ -213,11 +213,7 @@ Settler::Step Settler::advance(const Information& all, const TestView& view, con
         TestPoint point;
         TestMisfit misfit;
     };
-    // Where noise comes in bursts the estimate is where the slopes vanish, not where χ² is least, and χ² says little of
-    // the way there. What the same columns promise from where a step leads says how much of the slopes it left: the
-    // natural monotonicity test (Deuflhard, "Newton Methods for Nonlinear Problems", 2011, section 2.1).
-    const bool by_slopes = hasBursts(all) && !must_fall && first_damping == 0 && view.keepsColumns();
-    if (by_slopes && !held) {
+    if (first_damping == 0 && !held && !must_fall && hasBursts(all)) {
         if (!(offered < kFalling * memory.offered)) return Step::circling;
         memory.offered = offered;
     }
@@ -227,14 +223,11 @@ Settler::Step Settler::advance(const Information& all, const TestView& view, con
         TestMisfit misfit = problem_.misfit(next);
         const Information actual = sumOf(misfit, with_validation);
         const double fall = cost - calcCost(actual, calcMeanSquares(actual)) - calcPriorSquare(at, set);
-        double gain = 0;
-        if (by_slopes) {
-            const TestView there = problem_.follow(view, next, set, misfit);
-            gain = offered - calcPromise(there, set, scales, with_validation);
-        } else {
-            gain = promised - calcExcess(all, at - present, actual, at, scales, Growth::followed);
-        }
-        return {{damping, promised, gain, fall, fall > 0 || !must_fall}, at, std::move(next), std::move(misfit)};
+        const double excess = calcExcess(all, at - present, actual, at, scales, Growth::followed);
+        return {{damping, promised, promised - excess, fall, fall > 0 || !must_fall},
+                at,
+                std::move(next),
+                std::move(misfit)};
     };
     const auto reach = [&](double damping, const Eigen::VectorXd& at) -> Reached {
         for (const TriedStep& own : memory.tried)
@@ -266,7 +259,7 @@ Settler::Step Settler::advance(const Information& all, const TestView& view, con
     if (!(best.step.gain > std::max(kGained * least, kPromised * best.step.promised))) {
         // Where noise comes in bursts the promise counts little of what the equations' own squares give, and the excess
         // all of it: as much less left as was promised bears a step out that nothing else does.
-        if (by_slopes || !(first.fall >= first.promised)) return Step::none;
+        if (!(first.fall >= first.promised)) return Step::none;
         best = measure(first_damping, target);
         best.step.gain = first.promised;
     }
@@ -275,15 +268,6 @@ Settler::Step Settler::advance(const Information& all, const TestView& view, con
     point = std::move(best.point);
     reached = std::move(best.misfit);
     return best.step.gain >= least ? Step::onwards : Step::last;
-}
-
-double Settler::calcPromise(const TestView& view, const HypothesisSet& set, const BlockScales& scales,
-                            bool with_validation) const {
-    const Eigen::VectorXd present = problem_.estimateOf(view.at);
-    const SetEvidence evidence(problem_, sumOf(view, with_validation), scales, set, present, Growth::followed);
-    const Eigen::VectorXd target = keepInRange(problem_, evidence.solve().mean);
-    return evidence.calcChange(present) + calcPriorSquare(present, set) - evidence.calcChange(target) -
-           calcPriorSquare(target, set);
 }
 
 double Settler::calcLeast(const Information& all, const std::vector<double>& misfits) const {
@@ -302,8 +286,7 @@ Settler::Step Settler::improve(SetState& state, bool with_validation, double dam
     const double least = calcLeast(all, misfits);
     TestMisfit reached;
     const auto advanced = [&](const BlockScales& scales, StepMemory& from_here) {
-        return advance(all, state.view, state.set, scales, least, with_validation, damping, false, from_here,
-                       state.point, reached);
+        return advance(all, state.set, scales, least, with_validation, damping, false, from_here, state.point, reached);
     };
     StepMemory others;
     Step step = advanced(scalesOf(misfits), memory);
@@ -324,8 +307,8 @@ Settler::Step Settler::improveHeld(SetState& state, bool with_validation, double
     const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(state.point));
     StepMemory memory;
     TestMisfit reached;
-    const Step step = advance(all, state.view, state.set, scalesOf(misfits), calcLeast(all, misfits), with_validation,
-                              damping, true, memory, state.point, reached);
+    const Step step = advance(all, state.set, scalesOf(misfits), calcLeast(all, misfits), with_validation, damping,
+                              true, memory, state.point, reached);
     if (step != Step::none) state.view = problem_.follow(state.view, state.point, state.set, std::move(reached));
     return step;
 }
@@ -343,8 +326,7 @@ TestPoint Settler::refine(TestPoint point, const HypothesisSet& set, const Block
         memory.tried.clear();
         TestMisfit reached;
         const bool held = state.view.held;
-        const Step step =
-            advance(all, state.view, set, scales, 2 * kSettled, true, 0, held, memory, state.point, reached);
+        const Step step = advance(all, set, scales, 2 * kSettled, true, 0, held, memory, state.point, reached);
         if (step == Step::none && held) {
             lookAgain(state);
             continue;

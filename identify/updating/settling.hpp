@@ -117,17 +117,14 @@ private:
     Step improveHeld(SetState& state, bool with_validation, double damping) const;
     /// Columns of its own for a state that has those of an earlier point.
     void lookAgain(SetState& state) const;
-    /// What a view's quadratic promises of a whole step from where it is (twice the Newton decrement).
-    double calcPromise(const TestView& view, const HypothesisSet& set, const BlockScales& scales,
-                       bool with_validation) const;
     /// Log evidence by the present quadratic from which on a step is worth it.
     double calcLeast(const Information& all, const std::vector<double>& misfits) const;
     /// @param held whether the quadratic's columns are those of an earlier point
     /// @param[in,out] memory of steps from this point with these scales
     /// @param[out] reached the equations of the point that a step led to
-    Step advance(const Information& all, const TestView& view, const HypothesisSet& set, const BlockScales& scales,
-                 double least, bool with_validation, double first_damping, bool held, StepMemory& memory,
-                 TestPoint& point, TestMisfit& reached) const;
+    Step advance(const Information& all, const HypothesisSet& set, const BlockScales& scales, double least,
+                 bool with_validation, double first_damping, bool held, StepMemory& memory, TestPoint& point,
+                 TestMisfit& reached) const;
 
     const TestProblem& problem_;
     double alike_ = 1;

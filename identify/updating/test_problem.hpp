@@ -40,7 +40,6 @@ struct TestView : TestInformation {
     TestPoint at;
     bool held = false;         ///< its columns are those of an earlier point (held_columns.hpp)
     PointEquations equations;  ///< of a view whose columns are held: those of its own want no more
-    bool keepsColumns() const { return !runs.empty() && runs.front().kept; }
 };
 
 /// χ² and count alone.
