@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "identify/motion/parallel.hpp"
-#include "identify/problem/block_columns.hpp"
 #include "identify/problem/column_noise.hpp"
 #include "identify/problem/lineariser.hpp"
 #include "identify/problem/mount_equation.hpp"
@@ -17,6 +16,80 @@
 
 namespace wems::identify {
 namespace {
+
+constexpr double kUnfold = 1.4142135623730951;  // real and imaginary parts share the variance
+
+/// Real values of six complex rows: real parts, then imaginary parts, of each bin.
+Eigen::VectorXf unfold(const Eigen::Ref<const Eigen::MatrixXcd>& rows) {
+    Eigen::VectorXf values(2 * rows.size());
+    Eigen::Map<Eigen::MatrixXf> real(values.data(), rows.rows(), rows.cols());
+    Eigen::Map<Eigen::MatrixXf> imaginary(values.data() + rows.size(), rows.rows(), rows.cols());
+    real = (kUnfold * rows.real()).cast<float>();
+    imaginary = (kUnfold * rows.imag()).cast<float>();
+    return values;
+}
+
+/// Columns of one block and their products; those that are not set are zero.
+class BlockColumns {
+public:
+    BlockColumns(Eigen::Index rows, Eigen::Index columns) : rows_(rows), columns_(columns) {}
+    void set(Eigen::Index column, Eigen::VectorXf values) { columns_[column] = std::move(values); }
+    /// @param residual as the columns
+    BlockInformation calcInformation(const Eigen::VectorXf& residual) const {
+        std::vector<Eigen::Index> used;
+        for (std::size_t c = 0; c < columns_.size(); ++c)
+            if (columns_[c].size() > 0) used.push_back(c);
+        const Eigen::Index count = used.size(), all = columns_.size();
+        Eigen::MatrixXd A = Eigen::MatrixXd::Zero(count, count);
+        Eigen::VectorXd b = Eigen::VectorXd::Zero(count);
+        BlockInformation result;
+        constexpr Eigen::Index kChunk = 1024;
+        for (Eigen::Index first = 0; first < rows_; first += kChunk) {
+            const Eigen::Index rows = std::min(kChunk, rows_ - first);
+            Eigen::MatrixXd chunk(rows, count);
+            for (Eigen::Index i = 0; i < count; ++i)
+                chunk.col(i) = columns_[used[i]].segment(first, rows).cast<double>();
+            const Eigen::VectorXd r = residual.segment(first, rows).cast<double>();
+            A.selfadjointView<Eigen::Lower>().rankUpdate(chunk.transpose());
+            b.noalias() += chunk.transpose() * r;
+            result.chi_squared += r.squaredNorm();
+        }
+        A.triangularView<Eigen::StrictlyUpper>() = A.transpose();
+        result.A = Eigen::MatrixXd::Zero(all, all);
+        result.b = Eigen::VectorXd::Zero(all);
+        result.noise_slopes = Eigen::MatrixXd::Zero(all, 0);
+        result.A(used, used) = A;
+        result.b(used) = b;
+        result.count = static_cast<double>(rows_);
+        return result;
+    }
+
+private:
+    Eigen::Index rows_;
+    std::vector<Eigen::VectorXf> columns_;
+};
+
+/// Takes the last `count` unknowns, which belong to this run alone, out of an information.
+void marginalise(BlockInformation& block, Eigen::Index count, double precision) {
+    const Eigen::Index kept = block.b.size() - count;
+    if (count == 0) return;
+    Eigen::MatrixXd own = block.A.bottomRightCorner(count, count);
+    own.diagonal().array() += precision;
+    const Eigen::LDLT<Eigen::MatrixXd> factor(own);
+    const Eigen::MatrixXd cross = block.A.topRightCorner(kept, count);
+    const Eigen::VectorXd right = block.b.tail(count);
+    const Eigen::VectorXd solved = factor.solve(right);
+    block.chi_squared -= right.dot(solved);
+    if (kept == 0) {
+        block.A.resize(0, 0);
+        block.b.resize(0);
+        return;
+    }
+    const Eigen::VectorXd b = block.b.head(kept) - cross * solved;
+    const Eigen::MatrixXd A = block.A.topLeftCorner(kept, kept) - cross * factor.solve(cross.transpose());
+    block.A = A;
+    block.b = b;
+}
 
 /// The inverse of the prior variance of a mode's coordinate when the recording begins: it has moved the bracket no more
 /// than the bracket moved.
@@ -248,7 +321,6 @@ LinearisedRun linearise(Lineariser& at, const TestRun& run, const SensorLayout& 
         maker.setNoise(i, effect);
     }
     LinearisedRun result;
-    KeptColumns kept;
     const auto informMount = [&] {
         auto& mount = result.information[indexOf(Block::mount)];
         mount = maker.mount().calcInformation(unfold(at.residual().topRows(6)));
@@ -264,7 +336,7 @@ LinearisedRun linearise(Lineariser& at, const TestRun& run, const SensorLayout& 
         if (!at.hasBracket()) return;
         auto& bracket = result.information[indexOf(Block::bracket)];
         bracket = maker.bracket().calcInformation(unfold(at.residual().bottomRows(6)));
-        kept.transients = marginalise(bracket, extra, calcTransientPrecision(at, state.model));
+        marginalise(bracket, extra, calcTransientPrecision(at, state.model));
         bracket.noise_slopes = maker.calcNoiseSlopes(true).topRows(columns.size());
         bracket.noise_levels = maker.calcNoiseLevels(true);
         bracket.noise = maker.calcNoiseProducts(true);
@@ -277,11 +349,6 @@ LinearisedRun linearise(Lineariser& at, const TestRun& run, const SensorLayout& 
         {informMount, informBracket, [&] { informSensors(Part::mobile); }, [&] { informSensors(Part::fixed); }});
     for (BlockInformation& block : result.information)
         if (!block.empty()) block.growth = calcGrowth(block);
-    if (columns.keep) {
-        kept.mount = std::move(maker.mount());
-        kept.bracket = std::move(maker.bracket());
-        result.kept = std::make_shared<const KeptColumns>(std::move(kept));
-    }
     result.mount_residual = at.residual().topRows(6);
     for (std::size_t c = 0; c < state.model.connections.size(); ++c)
         for (int a = 0; a < 3; ++a)

@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "identify/problem/held_columns.hpp"
 #include "identify/problem/information.hpp"
 #include "identify/problem/test_run.hpp"
 #include "identify/problem/unknown.hpp"
@@ -49,7 +48,6 @@ struct ColumnSet {
     std::vector<LoadHat> hats;
     std::vector<AddedCurve> curves;  ///< always formed
     std::vector<char> wanted;        ///< columns that are formed; empty: all. The others say nothing.
-    bool keep = false;               ///< for further points (held_columns.hpp)
     void wantNone() { wanted.assign(size(), 0); }
     bool wants(std::size_t column) const { return wanted.empty() || wanted[column] != 0; }
     std::size_t firstCurve() const { return rows + probes.size() + hats.size(); }
@@ -63,8 +61,7 @@ struct LinearisedRun {
     Eigen::MatrixXcd mount_residual;
     std::vector<Eigen::MatrixXcd> axis_directions;
     Eigen::VectorXd frequency;
-    std::shared_ptr<const KeptColumns> kept;  ///< if they were to be
-    double contact_share = 0;                 ///< share of the mount residual's power that lies within contact, 0 … 1
+    double contact_share = 0;  ///< share of the mount residual's power that lies within contact, 0 … 1
 };
 
 class Lineariser;

@@ -30,10 +30,6 @@ constexpr double kEased = 10;  // by which it falls from step to step (Marquardt
 constexpr double kShorter = 0.5;
 // Relative: a few products and quotients by ten round off by 1e-15, and the next damping is ten times more.
 constexpr double kSameDamping = 1e-9;
-// Of what the columns of the last look offered: what those of the next may offer for its step to be worth it. At a half
-// all steps to come gain as much as this one. On a bench recording the offers fell from 1160 to 14 in four looks, and
-// then went up and down between 5 and 15: V moves with the point as much as the estimate does.
-constexpr double kFalling = 0.5;
 constexpr int kMostScalings = 30;
 constexpr double kScalesSettled = 0.02;  // relative change: evidence follows to 1 % of what it is
 
@@ -51,6 +47,12 @@ bool areAlike(const BlockScales& a, const BlockScales& b) {
     for (std::size_t k = 0; k < kBlocks; ++k)
         if (std::abs(a[k].scale - b[k].scale) > kScalesSettled * a[k].scale) return false;
     return true;
+}
+
+std::vector<Hypothesis> collect(const TestProblem& problem, const HypothesisSet& set) {
+    std::vector<Hypothesis> members;
+    for (const int h : set) members.push_back(problem.hypotheses()[h]);
+    return members;
 }
 
 /// A number that a step leads beyond its range stays at its end: what the step promises is what it does there.
@@ -73,6 +75,67 @@ Eigen::VectorXd calcPriorSlope(const TestProblem& problem, const Eigen::VectorXd
 }
 
 }  // namespace
+
+std::vector<double> calcMeanSquares(const Information& actual) {
+    std::vector<double> misfits;
+    for (const BlockInformation& block : actual) misfits.push_back(block.empty() ? 0 : block.chi_squared / block.count);
+    return misfits;
+}
+
+bool isSatisfied(const std::vector<double>& misfits) {
+    return std::all_of(misfits.begin(), misfits.end(), [](double misfit) { return misfit < kSatisfied; });
+}
+
+Evidence makeEvidence(const TestProblem& problem, const TestView& view, const HypothesisSet& set,
+                      const BlockScales& scales, bool with_validation) {
+    return {combine(sumOf(view, with_validation), scales, problem.reaches()),
+            problem.tolerances(set, problem.estimateOf(view.at)), problem.hypotheses()};
+}
+
+Information sumOf(const TestInformation& runs, bool with_validation) {
+    Information all = runs.identification;
+    if (with_validation) add(all, runs.validation);
+    return all;
+}
+
+std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& estimate) {
+    std::vector<double> misfits;
+    for (std::size_t k = 0; k < kBlocks; ++k) misfits.push_back(calcBlockMisfit(all[k], estimate));
+    return misfits;
+}
+
+double calcExcessOf(const std::vector<double>& misfits) {
+    return *std::max_element(misfits.begin(), misfits.end()) - 1;
+}
+
+bool hasBursts(const Information& all) {
+    return std::any_of(all.begin(), all.end(), [](const BlockInformation& block) { return block.scatter.size() > 0; });
+}
+
+std::vector<double> calcScatter(const Information& all) {
+    std::vector<double> scatter;
+    for (const BlockInformation& block : all) scatter.push_back(block.empty() ? 0 : std::sqrt(2 / block.count));
+    return scatter;
+}
+
+bool isNoiseAlone(const Information& all, const std::vector<double>& misfits) {
+    const std::vector<double> scatter = calcScatter(all);
+    for (std::size_t k = 0; k < kBlocks; ++k) {
+        // Of many values the mean scatters little: what is not known of it is the noise's level, in each band by
+        // itself.
+        const auto bands = static_cast<double>(all[k].noise_slopes.cols());
+        const double level = bands > 0 ? kLevelDeviation / std::sqrt(bands) : 0;
+        if (misfits[k] - 1 > kBeyondNoise * std::hypot(scatter[k], level)) return false;
+    }
+    return true;
+}
+
+SetEvidence::SetEvidence(const TestProblem& problem, const Information& all, const BlockScales& scales,
+                         const HypothesisSet& set, const Eigen::VectorXd& estimate, Growth growth)
+    : members_(collect(problem, set)),
+      evidence_(combine(all, scales, problem.reaches(), growth), problem.tolerances(set, estimate), members_) {
+    for (std::size_t i = 0; i < members_.size(); ++i) all_.push_back(static_cast<int>(i));
+}
 
 Settler::Settler(const TestProblem& problem) : problem_(problem), alike_(calcAlike(problem)) {}
 
@@ -168,24 +231,20 @@ Settler::Settling Settler::settle(SetState& state, int most, bool with_validatio
     // prior's own precision as its damping.
     double damping = std::min(*std::max_element(misfits.begin(), misfits.end()) - 1, std::pow(kEased, most - 1));
     Settling settling;
-    StepMemory memory;
+    std::vector<TriedStep> tried;
     while (settling.steps < most) {
         if (!(damping >= 1)) damping = 0;  // nor where a misfit is no number
-        Step step = improve(state, with_validation, damping, memory);
-        if (step != Step::onwards && damping == 0 && reachStops(state, with_validation)) {
-            step = Step::onwards;
-            memory = {};
-        }
+        Step step = improve(state, with_validation, damping, tried);
+        if (step != Step::onwards && damping == 0 && reachStops(state, with_validation)) step = Step::onwards;
         if (step != Step::none) {
             ++settling.steps;
-            memory.tried.clear();
+            tried.clear();
         }
         if (step != Step::none && !is_worth_more(damping)) break;
         settling.at_rest = damping == 0 && step == Step::none;
         if (damping == 0 && step != Step::onwards) break;
         damping /= kEased;
     }
-    lookAgain(state);
     state.scales = scalesOf(calcMisfits(sumOf(state.view, with_validation), problem_.estimateOf(state.point)));
     return settling;
 }
@@ -193,8 +252,8 @@ Settler::Settling Settler::settle(SetState& state, int most, bool with_validatio
 /// The point towards which a quadratic leads, as far as the equations themselves bear out what it promises. The view
 /// was made at `point`: there the quadratic is what the equations say.
 Settler::Step Settler::advance(const Information& all, const HypothesisSet& set, const BlockScales& scales,
-                               double least, bool with_validation, double first_damping, bool held, StepMemory& memory,
-                               TestPoint& point, TestMisfit& reached) const {
+                               double least, bool with_validation, double first_damping, std::vector<TriedStep>& tried,
+                               TestPoint& point, PointEquations& equations) const {
     const Eigen::VectorXd present = problem_.estimateOf(point), slope = calcPriorSlope(problem_, present, set);
     const SetEvidence evidence(problem_, all, scales, set, present, Growth::followed);
     const Eigen::VectorXd target =
@@ -202,8 +261,8 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
     const auto objective = [&](const Eigen::VectorXd& at) {
         return evidence.calcChange(at) + calcPriorSquare(at, set);
     };
-    const double here = objective(present), offered = here - objective(target);
-    if (!(offered >= least)) return Step::none;  // nor where it is no number
+    const double here = objective(present);
+    if (!(here - objective(target) >= least)) return Step::none;  // nor where it is no number
     const std::vector<double> misfits = calcMisfits(all, present);
     const bool must_fall = hasBursts(all) && !isNoiseAlone(all, misfits);
     const double cost = calcCost(all, misfits) + calcPriorSquare(present, set);
@@ -211,34 +270,29 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
         TriedStep step;
         Eigen::VectorXd at;
         TestPoint point;
-        TestMisfit misfit;
+        PointEquations equations;
     };
-    if (first_damping == 0 && !held && !must_fall && hasBursts(all)) {
-        if (!(offered < kFalling * memory.offered)) return Step::circling;
-        memory.offered = offered;
-    }
     const auto measure = [&](double damping, const Eigen::VectorXd& at) -> Reached {
         TestPoint next = problem_.pointAt(at, set);
         const double promised = here - objective(at);
         TestMisfit misfit = problem_.misfit(next);
         const Information actual = sumOf(misfit, with_validation);
-        const double fall = cost - calcCost(actual, calcMeanSquares(actual)) - calcPriorSquare(at, set);
         const double excess = calcExcess(all, at - present, actual, at, scales, Growth::followed);
+        const double fall = cost - calcCost(actual, calcMeanSquares(actual)) - calcPriorSquare(at, set);
         return {{damping, promised, promised - excess, fall, fall > 0 || !must_fall},
                 at,
                 std::move(next),
-                std::move(misfit)};
+                std::move(misfit.equations)};
     };
     const auto reach = [&](double damping, const Eigen::VectorXd& at) -> Reached {
-        for (const TriedStep& own : memory.tried)
+        for (const TriedStep& own : tried)
             if (std::abs(own.damping - damping) <= kSameDamping * damping) return {own, at, {}, {}};
-        Reached measured = measure(damping, at);
-        memory.tried.push_back(measured.step);
-        return measured;
+        Reached reached = measure(damping, at);
+        tried.push_back(reached.step);
+        return reached;
     };
-    const auto isKept = [](const Reached& own) { return own.step.gain >= kKept * own.step.promised; };
+    const auto isKept = [](const Reached& reached) { return reached.step.gain >= kKept * reached.step.promised; };
     Reached best = reach(first_damping, target);
-    if (held && !(isKept(best) && best.step.falls)) return Step::none;
     const TriedStep first = best.step;
     if (isKept(best) && !best.step.falls) return Step::contrary;
     if (!isKept(best)) {
@@ -264,77 +318,43 @@ Settler::Step Settler::advance(const Information& all, const HypothesisSet& set,
         best.step.gain = first.promised;
     }
     if (!best.step.falls) return Step::contrary;
-    if (best.misfit.equations.at.empty()) best = measure(best.step.damping, best.at);
+    if (best.equations.at.empty()) best = measure(best.step.damping, best.at);
     point = std::move(best.point);
-    reached = std::move(best.misfit);
+    equations = std::move(best.equations);
     return best.step.gain >= least ? Step::onwards : Step::last;
 }
 
-double Settler::calcLeast(const Information& all, const std::vector<double>& misfits) const {
-    return std::max(2 * kSettled, kWorthwhile * calcCost(all, misfits));
-}
-
 /// A step of the set: with the present discrepancy, or, undamped, with the one that its estimate would leave.
-Settler::Step Settler::improve(SetState& state, bool with_validation, double damping, StepMemory& memory) const {
-    if (state.view.held) {
-        if (improveHeld(state, with_validation, damping) != Step::none) return Step::onwards;
-        lookAgain(state);
-        memory.tried.clear();
-    }
+Settler::Step Settler::improve(SetState& state, bool with_validation, double damping,
+                               std::vector<TriedStep>& tried) const {
     Information all = sumOf(state.view, with_validation);
     const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(state.point));
-    const double least = calcLeast(all, misfits);
-    TestMisfit reached;
-    const auto advanced = [&](const BlockScales& scales, StepMemory& from_here) {
-        return advance(all, state.set, scales, least, with_validation, damping, false, from_here, state.point, reached);
+    const double least = std::max(2 * kSettled, kWorthwhile * calcCost(all, misfits));
+    PointEquations equations;
+    const auto advanced = [&](const BlockScales& scales, std::vector<TriedStep>& from_here) {
+        return advance(all, state.set, scales, least, with_validation, damping, from_here, state.point, equations);
     };
-    StepMemory others;
-    Step step = advanced(scalesOf(misfits), memory);
-    if (step == Step::circling) return Step::none;
+    std::vector<TriedStep> others;
+    Step step = advanced(scalesOf(misfits), tried);
     if (step == Step::none && damping == 0)
         step = advanced(settleScales(all, state.set, problem_.estimateOf(state.point)), others);
     if (step == Step::contrary) {
         for (BlockInformation& block : all) block.scatter.resize(0, 0);
-        others = {};
+        others.clear();
         step = advanced(scalesOf(misfits), others);
     }
-    if (step != Step::none) state.view = problem_.follow(state.view, state.point, state.set, std::move(reached));
+    if (step != Step::none) state.view = problem_.view(state.point, state.set, std::move(equations));
     return step;
-}
-
-Settler::Step Settler::improveHeld(SetState& state, bool with_validation, double damping) const {
-    const Information all = sumOf(state.view, with_validation);
-    const std::vector<double> misfits = calcMisfits(all, problem_.estimateOf(state.point));
-    StepMemory memory;
-    TestMisfit reached;
-    const Step step = advance(all, state.set, scalesOf(misfits), calcLeast(all, misfits), with_validation, damping,
-                              true, memory, state.point, reached);
-    if (step != Step::none) state.view = problem_.follow(state.view, state.point, state.set, std::move(reached));
-    return step;
-}
-
-void Settler::lookAgain(SetState& state) const {
-    if (state.view.held) state.view = problem_.view(state.point, state.set, std::move(state.view.equations));
 }
 
 TestPoint Settler::refine(TestPoint point, const HypothesisSet& set, const BlockScales& scales, int most) const {
-    SetState state{set, std::move(point), {}, scales};
-    state.view = problem_.view(state.point, set);
-    StepMemory memory;
-    for (int pass = 0; pass < most;) {
-        const Information all = sumOf(state.view, true);
-        memory.tried.clear();
-        TestMisfit reached;
-        const bool held = state.view.held;
-        const Step step = advance(all, set, scales, 2 * kSettled, true, 0, held, memory, state.point, reached);
-        if (step == Step::none && held) {
-            lookAgain(state);
-            continue;
-        }
-        if (++pass == most || (step != Step::onwards && !held)) break;
-        state.view = problem_.follow(state.view, state.point, set, std::move(reached));
+    PointEquations equations;
+    for (int pass = 0; pass < most; ++pass) {
+        const Information all = sumOf(problem_.view(point, set, std::move(equations)), true);
+        std::vector<TriedStep> tried;
+        if (advance(all, set, scales, 2 * kSettled, true, 0, tried, point, equations) != Step::onwards) break;
     }
-    return std::move(state.point);
+    return point;
 }
 
 double Settler::calcCostAt(const TestPoint& point) const {

@@ -6,13 +6,18 @@
 
 #include <Eigen/Core>
 #include <functional>
-#include <limits>
 #include <vector>
 
-#include "identify/updating/set_evidence.hpp"
 #include "identify/updating/test_problem.hpp"
 
 namespace wems::identify::updating {
+
+/// Misfit per value up to which equations of motion count as satisfied: noise, and what sampling makes of a stop, leave
+/// 0.9 to 2.1 on recordings of another simulator whose cause is known.
+inline constexpr double kSatisfied = 3;
+
+/// Whether no block leaves so much.
+bool isSatisfied(const std::vector<double>& misfits);
 
 /// A set of causes, where its numbers lie, and what all runs say about that point.
 struct SetState {
@@ -21,6 +26,53 @@ struct SetState {
     TestView view;  ///< at `point`
     BlockScales scales;
 };
+
+/// The evidence of one set alone: its members, and nothing else to weigh.
+class SetEvidence {
+public:
+    /// @param estimate about which tolerances are what they are (TestProblem::deviations)
+    SetEvidence(const TestProblem& problem, const Information& all, const BlockScales& scales, const HypothesisSet& set,
+                const Eigen::VectorXd& estimate, Growth growth = Growth::doubted);
+    SetEvidence(const SetEvidence&) = delete;
+    SetEvidence& operator=(const SetEvidence&) = delete;
+    SetSolution solve() const { return evidence_.solve(all_); }
+    Eigen::VectorXd solveNear(const Eigen::VectorXd& slope, double damping) const {
+        return evidence_.solveNear(all_, slope, damping);
+    }
+    double calcChange(const Eigen::VectorXd& estimate) const { return evidence_.calcChange(estimate); }
+    Posterior calcPosterior() const { return evidence_.calcPosterior(all_); }
+
+private:
+    std::vector<Hypothesis> members_;
+    HypothesisSet all_;
+    Evidence evidence_;
+};
+
+/// Evidence of all runs, or of the identification runs alone, at a view. @param set whose tolerances count there
+Evidence makeEvidence(const TestProblem& problem, const TestView& view, const HypothesisSet& set,
+                      const BlockScales& scales, bool with_validation);
+
+/// Runs of a view together: the identification runs, or all.
+Information sumOf(const TestInformation& runs, bool with_validation);
+
+/// Misfit of each block at an estimate.
+std::vector<double> calcMisfits(const Information& all, const Eigen::VectorXd& estimate);
+
+/// χ² of each block over its count, of a misfit without quadratic.
+std::vector<double> calcMeanSquares(const Information& actual);
+
+/// Beyond the noise, of the block that leaves most.
+double calcExcessOf(const std::vector<double>& misfits);
+
+/// Whether noise comes in bursts, as in contact: V of information.hpp.
+bool hasBursts(const Information& all);
+
+/// Standard deviations of a misfit: less is noise, which any number may halve.
+inline constexpr double kBeyondNoise = 1.96;
+/// Standard deviation of each block's misfit if the model is perfect.
+std::vector<double> calcScatter(const Information& all);
+/// Whether no block leaves more than a perfect model would.
+bool isNoiseAlone(const Information& all, const std::vector<double>& misfits);
 
 /// Gauss–Newton steps of a set that begins near its best numbers.
 inline constexpr int kMostRefining = 3;
@@ -33,7 +85,7 @@ public:
     explicit Settler(const TestProblem& problem);
 
     /// Steps until one changes the evidence by less than a half, or would do so, `most` at most. The view keeps the
-    /// columns of the set alone, if a step was taken, and has them of the point where it ends.
+    /// columns of the set alone, if a step was taken.
     /// @return whether it came to rest: from where it ended no step, damped or not, is worth it
     bool settle(SetState& state, int most, bool with_validation) const;
 
@@ -76,8 +128,7 @@ public:
 private:
     /// Whether a step was worth it, and whether the next may be: where the quadratic fails, small gains follow small
     /// ones for as long as they are taken. Contrary: what the equations bear out leaves more than there was.
-    /// Circling: columns formed anew offer as much as before the last steps.
-    enum class Step { none, circling, contrary, last, onwards };
+    enum class Step { none, contrary, last, onwards };
 
     /// What a step of some damping came to. Less damped steps from the same state come to it again where they lose what
     /// they promise: the equations of all runs take most of a diagnosis' time.
@@ -85,11 +136,6 @@ private:
         double damping, promised, gain;  ///< by the quadratic; by the equations
         double fall;                     ///< of what is left, prior included
         bool falls;                      ///< what is left, where it must
-    };
-
-    struct StepMemory {
-        std::vector<TriedStep> tried;                              ///< from the present state
-        double offered = std::numeric_limits<double>::infinity();  ///< of a whole step, by columns formed for it
     };
 
     struct Settling {
@@ -109,22 +155,13 @@ private:
     /// Brings a state that steps leave where it is to the contacts that steps do not see (untouched_stops.hpp).
     /// @return whether one leaves less
     bool reachStops(SetState& state, bool with_validation) const;
-    /// A step of a state, with the columns that it has. Those of earlier points are believed as long as the equations
-    /// bear out what a step of them promises.
-    /// @param[in,out] memory of steps from this state with the present discrepancy
-    Step improve(SetState& state, bool with_validation, double damping, StepMemory& memory) const;
-    /// The same of a state whose columns are those of an earlier point: none where a step does not keep its promise.
-    Step improveHeld(SetState& state, bool with_validation, double damping) const;
-    /// Columns of its own for a state that has those of an earlier point.
-    void lookAgain(SetState& state) const;
-    /// Log evidence by the present quadratic from which on a step is worth it.
-    double calcLeast(const Information& all, const std::vector<double>& misfits) const;
-    /// @param held whether the quadratic's columns are those of an earlier point
-    /// @param[in,out] memory of steps from this point with these scales
-    /// @param[out] reached the equations of the point that a step led to
+    /// @param[in,out] tried from this state with the present discrepancy
+    Step improve(SetState& state, bool with_validation, double damping, std::vector<TriedStep>& tried) const;
+    /// @param[in,out] tried from this point with these scales
+    /// @param[out] equations of the point that a step led to
     Step advance(const Information& all, const HypothesisSet& set, const BlockScales& scales, double least,
-                 bool with_validation, double first_damping, bool held, StepMemory& memory, TestPoint& point,
-                 TestMisfit& reached) const;
+                 bool with_validation, double first_damping, std::vector<TriedStep>& tried, TestPoint& point,
+                 PointEquations& equations) const;
 
     const TestProblem& problem_;
     double alike_ = 1;

@@ -272,8 +272,7 @@ TestMisfit TestProblem::misfit(const TestPoint& point) const {
     TestMisfit sum;
     sum.equations = formEquations(point);
     const PointEquations& equations = sum.equations;
-    std::vector<Information>& own = sum.of_runs;
-    own.resize(equations.at.size());
+    std::vector<Information> own(equations.at.size());
     runParallel(own.size(), [&](std::size_t r) {
         own[r] = calcMisfit(*equations.at[r], (*equations.runs)[r], layout_, point.state);
     });
@@ -301,28 +300,7 @@ ColumnSet TestProblem::columnsOf(const HypothesisSet& set) const {
 }
 
 TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set, PointEquations equations) const {
-    ColumnSet columns = columnsOf(set);
-    columns.keep = true;
-    return view(point, std::move(columns), std::move(equations));
-}
-
-TestView TestProblem::follow(const TestView& from, const TestPoint& point, const HypothesisSet& set,
-                             TestMisfit misfit) const {
-    const Eigen::VectorXd moved = point.values - from.at.values;
-    std::vector<std::optional<LinearisedRun>> runs(from.runs.size());
-    runParallel(runs.size(), [&](std::size_t r) {
-        runs[r] = holdColumns(from.runs[r], moved, *misfit.equations.at[r], misfit.of_runs[r]);
-    });
-    TestView result;
-    for (std::optional<LinearisedRun>& run : runs) {
-        if (!run) return view(point, set, std::move(misfit.equations));
-        result.runs.push_back(*std::move(run));
-    }
-    result.at = point;
-    result.held = true;
-    result.equations = std::move(misfit.equations);
-    sumRuns(result, moved.size());
-    return result;
+    return view(point, columnsOf(set), std::move(equations));
 }
 
 TestView TestProblem::view(const TestPoint& point, const HypothesisSet& set,
@@ -350,16 +328,12 @@ TestView TestProblem::view(const TestPoint& point, ColumnSet columns, PointEquat
         result.runs[r] = linearise(*equations.at[r], runs[r], layout_, columns, point.state);
         equations.at[r].reset();
     });
-    sumRuns(result, columns.size());
+    Eigen::VectorXd offset = Eigen::VectorXd::Zero(columns.size());
+    offset.head(point.values.size()) = -estimateOf(point);
+    for (std::size_t r = 0; r < runs.size(); ++r)
+        add(r < identification_count_ ? result.identification : result.validation,
+            shiftToBelieved(result.runs[r].information, offset));
     return result;
-}
-
-void TestProblem::sumRuns(TestView& view, Eigen::Index size) const {
-    Eigen::VectorXd offset = Eigen::VectorXd::Zero(size);
-    offset.head(view.at.values.size()) = -estimateOf(view.at);
-    for (std::size_t r = 0; r < view.runs.size(); ++r)
-        add(r < identification_count_ ? view.identification : view.validation,
-            shiftToBelieved(view.runs[r].information, offset));
 }
 
 MountModel TestProblem::cleanModel(const TestPoint& point) const {

@@ -28,23 +28,20 @@ struct TestInformation {
     Information identification, validation;
 };
 
+/// What all runs say about a point, its information about the believed values.
+struct TestView : TestInformation {
+    std::vector<LinearisedRun> runs;  ///< identification runs, then validation runs
+    TestPoint at;
+};
+
 /// What misfit and columns of a point share.
 struct PointEquations {
     std::shared_ptr<const std::vector<TestRun>> runs;  ///< as the point's sensors had them
     std::vector<std::shared_ptr<Lineariser>> at;       ///< of each run
 };
 
-/// What all runs say about a point, its information about the believed values.
-struct TestView : TestInformation {
-    std::vector<LinearisedRun> runs;  ///< identification runs, then validation runs
-    TestPoint at;
-    bool held = false;         ///< its columns are those of an earlier point (held_columns.hpp)
-    PointEquations equations;  ///< of a view whose columns are held: those of its own want no more
-};
-
 /// χ² and count alone.
 struct TestMisfit : TestInformation {
-    std::vector<Information> of_runs;  ///< identification runs, then validation runs
     PointEquations equations;
 };
 
@@ -117,8 +114,6 @@ public:
     /// With those alone that tolerances and the members of a set move: for the steps of this set.
     /// @param equations of the point, as its misfit left them; formed here if empty
     TestView view(const TestPoint& point, const HypothesisSet& set, PointEquations equations = {}) const;
-    /// With the columns of an earlier view, where that has them and they still fit; else as view(). @param misfit of it
-    TestView follow(const TestView& from, const TestPoint& point, const HypothesisSet& set, TestMisfit misfit) const;
     /// With those of a set, and of further forces.
     TestView view(const TestPoint& point, const HypothesisSet& set, const std::vector<AddedCurve>& curves) const;
     /// What the equations leave, with no columns but those of further forces.
@@ -136,8 +131,6 @@ private:
     /// Those that tolerances and the members of a set move.
     ColumnSet columnsOf(const HypothesisSet& set) const;
     PointEquations formEquations(const TestPoint& point) const;
-    /// Sums what the runs of a view say, about the believed values. @param size columns
-    void sumRuns(TestView& view, Eigen::Index size) const;
     bool isAdopted(int hypothesis) const;
     /// Prior standard deviation of each column by itself, outside all hypotheses.
     Eigen::VectorXd ownDeviations() const;
