@@ -1,7 +1,7 @@
 """The folder of a campaign: what is written before its workflow begins, and what is said when it ends.
 
 campaign.json   the campaign as it was begun            batches/N.jsonl  the rows of a batch that is done
-work/N          cases of a batch under way               kept/CASE        files that the campaign keeps
+begun/N         cases of a batch under way              kept/CASE        files that the campaign keeps
 flags/N.done    what Snakemake knows of a batch
 table.h5, report.html                                   snakemake.log, slurm/JOB.log
 """
@@ -69,7 +69,7 @@ def reopen_last(folder, before):
         if os.path.exists(f"{folder}/{name}"):
             os.remove(f"{folder}/{name}")
     number = before["batches"] - 1
-    rows, work = f"{folder}/batches/{number:06d}.jsonl", f"{folder}/work/{number:06d}"
+    rows, work = f"{folder}/batches/{number:06d}.jsonl", f"{folder}/begun/{number:06d}"
     if before["count"] % before["batch"] == 0 or not os.path.exists(rows):
         return
     os.makedirs(work, exist_ok=True)

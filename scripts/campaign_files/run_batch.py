@@ -1,7 +1,7 @@
 """Runs the cases of one batch, one after the other: run_batch.py FOLDER BATCH.
 
-A case's row is a file written by rename in work/BATCH, so that a case that is done is never run again. Once all are there,
-they become batches/BATCH.jsonl and work/BATCH goes. A command that fails, ends by a fault of its own or takes too long makes
+A case's row is a file written by rename in begun/BATCH, so that a case that is done is never run again. Once all are there,
+they become batches/BATCH.jsonl and begun/BATCH goes. A command that fails, ends by a fault of its own or takes too long makes
 a row that says so. A command that somebody ended (TERM, KILL, INT, HUP) makes none: the batch ends with status 3, and is
 begun again.
 """
@@ -60,7 +60,7 @@ class Batch:
         self.number = number
         first = number * stored["batch"]
         self.cases = range(first, min(first + stored["batch"], self.campaign.count))
-        self.work = f"{self.folder}/work/{number:06d}"
+        self.work = f"{self.folder}/begun/{number:06d}"
         self.cpu, self.clock = 0.0, 0.0
 
     def run_command(self, number, command, accepted, seconds, where):
@@ -127,8 +127,8 @@ class Batch:
 
     def run(self):
         started, rows = time.time(), {}
-        os.makedirs(f"{self.folder}/work", exist_ok=True)
-        with open(f"{self.folder}/work/{self.number:06d}.lock", "w", encoding="utf-8") as lock:
+        os.makedirs(f"{self.folder}/begun", exist_ok=True)
+        with open(f"{self.folder}/begun/{self.number:06d}.lock", "w", encoding="utf-8") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)  # one that was left behind by a kill finishes its work first
             if os.path.exists(f"{self.folder}/batches/{self.number:06d}.jsonl"):
                 return

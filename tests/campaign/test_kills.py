@@ -33,7 +33,7 @@ key = "relative_displacements[name=1.z].largest"
 
 
 def list_done(folder):
-    done = {int(os.path.splitext(os.path.basename(p))[0]) for p in glob.glob(f"{folder}/work/*/*.json")}
+    done = {int(os.path.splitext(os.path.basename(p))[0]) for p in glob.glob(f"{folder}/begun/*/*.json")}
     for path in glob.glob(f"{folder}/batches/*.jsonl"):
         with open(path, encoding="utf-8") as file:
             done |= {json.loads(line)["case"] for line in file}
